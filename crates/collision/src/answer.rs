@@ -1,0 +1,122 @@
+//! What every answer says of itself: the interval that holds the truth, the verdict, and why the work ended.
+
+/// Bounds between which the true value lies, rounding included. A side nothing is known about is infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// The true value is not below this.
+    pub lower: f64,
+    /// The true value is not above this.
+    pub upper: f64,
+}
+
+impl Bound {
+    /// Nothing is known.
+    pub const UNBOUNDED: Self = Self {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+    };
+
+    /// From `lower` to `upper`.
+    #[must_use]
+    pub const fn new(lower: f64, upper: f64) -> Self {
+        Self { lower, upper }
+    }
+
+    /// How wide it is; infinite if a side is open.
+    #[must_use]
+    pub fn width(self) -> f64 {
+        self.upper - self.lower
+    }
+
+    /// Whether `value` lies in it. NaN does not.
+    #[must_use]
+    pub fn contains(self, value: f64) -> bool {
+        self.lower <= value && value <= self.upper
+    }
+}
+
+/// What is proved. A limit or a degeneracy gives `Undecided`, never a guess.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Proved: it touches.
+    Hit,
+    /// Proved: it does not.
+    Miss,
+    /// Neither is proved.
+    Undecided,
+}
+
+/// How a value was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// From bounding volumes alone.
+    Bounds,
+    /// A formula.
+    ClosedForm,
+    /// Separating axes.
+    SeparatingAxes,
+    /// Gilbert-Johnson-Keerthi distance or ray cast.
+    Gjk,
+    /// Expanding polytope.
+    Epa,
+    /// Conservative advancement.
+    Advancement,
+}
+
+/// Why the work on a value ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The interval cannot get narrower in the arithmetic used.
+    Converged,
+    /// The interval is as narrow as was asked, or the verdict is proved and no value was asked.
+    Tolerance,
+    /// The iteration budget was spent.
+    Budget,
+}
+
+/// What a value is worth. Everything here was found on the geometry itself, not on a stand-in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Certificate {
+    /// What is proved about this item.
+    pub verdict: Verdict,
+    /// Bounds of the value beside it: metres, or a fraction of the motion for times. For a ray or a motion that is
+    /// undecided: bounds of the value should it touch.
+    pub bound: Bound,
+    /// How the value was found.
+    pub method: Method,
+    /// Why the work ended.
+    pub stop: Stop,
+    /// Iterations spent on it.
+    pub iterations: u32,
+}
+
+/// Where on a geometry.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Feature {
+    /// Leaf of a compound, depth first, or convex part of a mesh.
+    pub part: Option<u32>,
+    /// Triangle of a mesh (numbered as sent), face of a hull or box (−x, +x, −y, +y, −z, +z).
+    pub face: Option<u32>,
+}
+
+/// What an answer cost: counts, never times. They may differ with what is already built; answers may not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Tree nodes visited.
+    pub nodes_visited: u64,
+    /// Shapes whose geometry was looked at.
+    pub shapes_tested: u64,
+    /// Pairs of convex pieces that were tested.
+    pub pairs_tested: u64,
+    /// Iterations of all of them.
+    pub iterations: u64,
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.nodes_visited += other.nodes_visited;
+        self.shapes_tested += other.shapes_tested;
+        self.pairs_tested += other.pairs_tested;
+        self.iterations += other.iterations;
+    }
+}

@@ -1,0 +1,1 @@
+//! Trees of boxes. Knows boxes and leaf numbers only, never a shape.

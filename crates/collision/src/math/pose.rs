@@ -1,0 +1,56 @@
+//! A rigid transform: rotate, then translate.
+
+use glam::{DMat3, DQuat, DVec3};
+
+/// A rigid transform: rotate, then translate. The rotation is kept as it was sent, of any length but 0, and
+/// normalised where it is used, so that what was stored can be read back bit by bit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Translation in metres.
+    pub position: DVec3,
+    /// Rotation, of any length but 0.
+    pub rotation: DQuat,
+}
+
+impl Pose {
+    /// The origin, unrotated.
+    pub const IDENTITY: Self = Self {
+        position: DVec3::ZERO,
+        rotation: DQuat::IDENTITY,
+    };
+
+    /// A pose; the numbers must be finite and the quaternion not 0, which the caller has checked.
+    #[must_use]
+    pub const fn new(position: DVec3, rotation: DQuat) -> Self {
+        Self { position, rotation }
+    }
+
+    /// A pose without rotation.
+    #[must_use]
+    pub const fn at(position: DVec3) -> Self {
+        Self::new(position, DQuat::IDENTITY)
+    }
+
+    /// The rotation as a unit quaternion. The largest component is scaled to 1 first, so that no square overflows or
+    /// vanishes.
+    #[must_use]
+    pub fn unit_rotation(&self) -> DQuat {
+        let [x, y, z, w] = self.rotation.to_array();
+        let largest = x.abs().max(y.abs()).max(z.abs()).max(w.abs());
+        let (x, y, z, w) = (x / largest, y / largest, z / largest, w / largest);
+        let length = (x * x + y * y + z * z + w * w).sqrt();
+        DQuat::from_xyzw(x / length, y / length, z / length, w / length)
+    }
+
+    /// The rotation as a matrix whose columns are the local axes in the world.
+    #[must_use]
+    pub fn matrix(&self) -> DMat3 {
+        DMat3::from_quat(self.unit_rotation())
+    }
+
+    /// Takes a local point into the world.
+    #[must_use]
+    pub fn transform_point(&self, local: DVec3) -> DVec3 {
+        self.matrix() * local + self.position
+    }
+}

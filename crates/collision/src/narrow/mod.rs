@@ -1,0 +1,186 @@
+//! One question to one pair: the kernels. Knows nothing of trees of shapes or of worlds.
+//!
+//! Every function here takes two placed geometries (or a ray and one), answers with an interval that holds the truth
+//! for the numbers sent, and never returns NaN. Results are symmetric: swapping the arguments swaps the answer.
+
+use glam::DVec3;
+
+use crate::{
+    accuracy::Accuracy,
+    answer::{Certificate, Feature, Work},
+    math::Pose,
+    shape::Geometry,
+};
+
+/// A geometry at a pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed<'a> {
+    /// The form.
+    pub geometry: &'a Geometry,
+    /// Where it is.
+    pub pose: Pose,
+}
+
+/// How far apart two placed geometries are.
+#[derive(Clone, Copy, Debug)]
+pub struct Separation {
+    /// The best value, metres; 0 where they overlap.
+    pub distance: f64,
+    /// Nearest point of `a`, world frame.
+    pub point_on_a: DVec3,
+    /// Nearest point of `b`, world frame.
+    pub point_on_b: DVec3,
+    /// Unit vector from `b` to `a`; `None` at distance 0.
+    pub normal_b_to_a: Option<DVec3>,
+    /// Where on `a`.
+    pub feature_a: Feature,
+    /// Where on `b`.
+    pub feature_b: Feature,
+    /// What the distance is worth; `Hit` where the distance is proved to be within the limit asked.
+    pub certificate: Certificate,
+}
+
+/// A contact of two convex pieces.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// Unit vector from `b` to `a`: moving `a` by `normal * depth` parts the two pieces.
+    pub normal_b_to_a: DVec3,
+    /// The best value, metres; negative is a gap.
+    pub depth: f64,
+    /// Where they touch: 1 to 4 points.
+    pub points: Vec<ContactPoint>,
+    /// The piece of `a`.
+    pub feature_a: Feature,
+    /// The piece of `b`.
+    pub feature_b: Feature,
+    /// What the depth is worth.
+    pub certificate: Certificate,
+}
+
+/// A point of a contact, world frame.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactPoint {
+    /// On `a`.
+    pub point_on_a: DVec3,
+    /// On `b`.
+    pub point_on_b: DVec3,
+    /// Depth along the normal; negative is a gap.
+    pub depth: f64,
+    /// Names the pair of features; the same from tick to tick while they are the same.
+    pub feature_pair: u32,
+}
+
+/// A ray. Its direction is of any length but 0; distances along it are metres.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Where it begins.
+    pub origin: DVec3,
+    /// Where it goes.
+    pub direction: DVec3,
+    /// Pass over what is nearer than this, metres.
+    pub min_distance: f64,
+    /// How far, metres.
+    pub max_distance: f64,
+    /// Bodies are hollow: a ray that begins inside goes on to the wall.
+    pub hollow: bool,
+}
+
+/// Where a ray meets a geometry. `Miss` is never returned in it: that is `None`.
+#[derive(Clone, Copy, Debug)]
+pub struct RayTouch {
+    /// Metres along the ray: the best value.
+    pub distance: f64,
+    /// Where, world frame.
+    pub point: DVec3,
+    /// Unit normal of the surface, towards the asker; `None` if the ray began inside.
+    pub normal: Option<DVec3>,
+    /// The ray began inside.
+    pub inside: bool,
+    /// Where on the geometry.
+    pub feature: Feature,
+    /// What the distance is worth.
+    pub certificate: Certificate,
+}
+
+/// The first touch of two moving geometries. `Miss` is never returned in it: that is `None`.
+#[derive(Clone, Copy, Debug)]
+pub struct ImpactTouch {
+    /// Fraction of the motion, 0 to 1: the best value.
+    pub fraction: f64,
+    /// Where, world frame.
+    pub point: DVec3,
+    /// Unit vector from `b` to `a`; `None` if they overlap at the start deeper than rounding.
+    pub normal_b_to_a: Option<DVec3>,
+    /// They touch at the start.
+    pub initial: bool,
+    /// Where on `b`.
+    pub feature_b: Feature,
+    /// What the fraction is worth.
+    pub certificate: Certificate,
+}
+
+/// How far apart `a` and `b` are. `None` if that is proved to be beyond `limit` metres.
+pub fn distance(
+    _a: Placed<'_>,
+    _b: Placed<'_>,
+    _limit: f64,
+    _accuracy: &Accuracy,
+    _work: &mut Work,
+) -> Option<Separation> {
+    todo!()
+}
+
+/// Whether `a` and `b` touch; the bound is that of the signed distance, often one-sided.
+pub fn overlap(_a: Placed<'_>, _b: Placed<'_>, _accuracy: &Accuracy, _work: &mut Work) -> Certificate {
+    todo!()
+}
+
+/// Contacts of all pairs of convex pieces whose gap is not proved to be above `max_gap` metres, in order of pieces.
+///
+/// # Errors
+/// [`NeedsDecomposition`] if both are meshes.
+pub fn penetration(
+    _a: Placed<'_>,
+    _b: Placed<'_>,
+    _max_gap: f64,
+    _accuracy: &Accuracy,
+    _work: &mut Work,
+) -> Result<Vec<Contact>, NeedsDecomposition> {
+    todo!()
+}
+
+/// Where a ray meets a geometry first. `None` is a proof that it does not within its reach.
+///
+/// A mesh is a surface: it has no inside. An undecided touch does not hide a certain one behind it: see [`RayTouches`].
+pub fn raycast(_ray: &Ray, _target: Placed<'_>, _accuracy: &Accuracy, _work: &mut Work) -> RayTouches {
+    todo!()
+}
+
+/// What a ray meets: at most one certain touch, and one undecided one that may be closer.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RayTouches {
+    /// The closest that is proved.
+    pub certain: Option<RayTouch>,
+    /// One that may be closer, hull of all such.
+    pub undecided: Option<RayTouch>,
+}
+
+/// The first touch of `a`, going from `a.pose.position` by `displacement_a`, and `b`, going by `displacement_b`, both
+/// without turning. `None` is a proof that the way is free. With `ignore_initial`, what touches at the start is passed
+/// over until it is clear.
+pub fn linear_impact(
+    _a: Placed<'_>,
+    _displacement_a: DVec3,
+    _b: Placed<'_>,
+    _displacement_b: DVec3,
+    _ignore_initial: bool,
+    _accuracy: &Accuracy,
+    _work: &mut Work,
+) -> Option<ImpactTouch> {
+    todo!()
+}
+
+/// The question needs convex parts, which a mesh does not have yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("both geometries are meshes without convex parts")]
+pub struct NeedsDecomposition;

@@ -1,0 +1,14 @@
+//! Immutable forms and how they are placed. Knows nothing of trees of shapes or of worlds.
+//!
+//! A *convex* form is a core (point, segment, box, hull) and all points within a radius of it: a sphere is a rounded
+//! point, a capsule a rounded segment. So a kernel that knows cores and a radius knows every rounded form as well.
+
+mod convex;
+mod geometry;
+mod hull;
+mod mesh;
+
+pub use convex::{Convex, Core};
+pub use geometry::{Form, Geometry, GeometryError, GeometryId, Limits};
+pub use hull::Hull;
+pub use mesh::{Mesh, MeshReport};

@@ -1,0 +1,90 @@
+//! The one writer of a world: batches of edits, each batch one tick.
+
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
+
+use super::{Shape, ShapeId, Snapshot, Tick, Time};
+
+/// One change.
+#[derive(Clone, Debug)]
+pub enum Edit {
+    /// Inserts a shape; one with the same id is replaced whole.
+    Insert(Shape),
+    /// Moves a shape; what is `None` stays.
+    Move {
+        /// Which.
+        id: ShapeId,
+        /// Where to.
+        position: Option<DVec3>,
+        /// How turned, of any length but 0.
+        rotation: Option<DQuat>,
+        /// New velocity, metres a second.
+        velocity: Option<DVec3>,
+        /// New angular velocity, radians a second.
+        angular_velocity: Option<DVec3>,
+        /// It did not travel there.
+        teleport: bool,
+    },
+    /// Removes a shape; one that is gone is not an error.
+    Remove(ShapeId),
+    /// Removes everything.
+    Clear,
+}
+
+/// What happens to a batch with a wrong edit in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EditRule {
+    /// Nothing changes and no tick is made.
+    AllOrNothing,
+    /// The wrong edits are left out, the others make the tick.
+    LeaveOutWrong,
+}
+
+/// An edit that cannot be applied: so far only a move of a shape that is not there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no shape {id}")]
+pub struct EditFault {
+    /// Index of the edit in the batch.
+    pub index: usize,
+    /// The shape concerned.
+    pub id: ShapeId,
+}
+
+/// What a batch did.
+#[derive(Clone, Debug)]
+pub struct EditReport {
+    /// The version in which it is seen.
+    pub tick: Tick,
+    /// Shapes inserted, replaced, moved or removed.
+    pub changed_count: u64,
+    /// What was left out, in order.
+    pub faults: Vec<EditFault>,
+}
+
+/// A world and its writer. Publishing is the caller's: [`World::newest`] after each batch.
+#[derive(Debug)]
+pub struct World {}
+
+impl World {
+    /// An empty world at tick 1.
+    #[must_use]
+    pub fn new(_time: Time) -> Self {
+        todo!()
+    }
+
+    /// The newest version.
+    #[must_use]
+    pub fn newest(&self) -> Arc<Snapshot> {
+        todo!()
+    }
+
+    /// Applies a batch as one tick. Later edits see earlier ones of the batch. Versions that were handed out stay as
+    /// they are. An empty batch makes a tick too.
+    ///
+    /// # Errors
+    /// With [`EditRule::AllOrNothing`], the first fault; nothing has changed then.
+    pub fn apply(&mut self, _edits: Vec<Edit>, _time: Time, _rule: EditRule) -> Result<EditReport, EditFault> {
+        todo!()
+    }
+}
