@@ -1,6 +1,7 @@
-//! Poses and boxes in f64. Knows nothing of shapes.
+//! Poses and boxes in f64, and arithmetic that keeps its rounding errors. Knows nothing of shapes.
 
 mod aabb;
+pub mod exact;
 mod pose;
 
 pub use aabb::Aabb;
