@@ -7,8 +7,9 @@ mod convex;
 mod geometry;
 mod hull;
 mod mesh;
+mod quickhull;
 
 pub use convex::{Convex, Core};
 pub use geometry::{Form, Geometry, GeometryError, GeometryId, Limits};
-pub use hull::Hull;
+pub use hull::{Edge, Face, Hull, Span, Topology};
 pub use mesh::{Mesh, MeshReport};
