@@ -1,1 +1,11 @@
 //! Trees of boxes. Knows boxes and leaf numbers only, never a shape.
+//!
+//! A tree enumerates a *superset* of what was asked for: it never leaves out a leaf whose box qualifies, and it may
+//! offer some whose box does not. What is true is for the caller to decide on the canonical boxes and the shapes, so
+//! answers depend on neither the tree nor the order in which it was built.
+
+mod fixed;
+mod traverse;
+
+pub use fixed::StaticTree;
+pub use traverse::{Expanded, NodeIndex, Path, Toll, Tree};
