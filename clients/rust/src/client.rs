@@ -1,0 +1,369 @@
+//! The client: one connection, one session, one call for each RPC.
+
+use std::time::Duration;
+
+use tonic::metadata::{Ascii, MetadataValue};
+use tonic::service::{Interceptor, interceptor::InterceptedService};
+use tonic::transport::{Channel, Endpoint};
+use tonic::{Request, Status};
+
+use crate::Error;
+use crate::proto::{
+    self, geometry_service_client::GeometryServiceClient, query_service_client::QueryServiceClient,
+    session_service_client::SessionServiceClient, world_service_client::WorldServiceClient,
+};
+
+/// Longest time to wait for a connection.
+const CONNECT_WAIT: Duration = Duration::from_secs(5);
+/// Bytes in flight before one stream waits for its reader: large batches gain 10 to 15 % over HTTP/2's 64 KiB.
+const STREAM_WINDOW: u32 = 4 << 20;
+/// Bytes in flight before the connection waits.
+const CONNECTION_WINDOW: u32 = 16 << 20;
+/// Largest answer that is read. The server's own limit is 4 MiB a message; this is only a fence.
+const MAX_ANSWER_BYTES: usize = 16 << 20;
+
+/// A client of one session.
+///
+/// Cloning is cheap, clones share the connection, and calls take `&self`: many may be under way at once. Where a
+/// request leaves its session empty, the client's is filled in.
+///
+/// # Errors
+///
+/// Every call returns [`Error::Status`] with what the server or the transport said.
+#[derive(Clone, Debug)]
+pub struct Client {
+    channel: Channel,
+    session: String,
+    bearer: Bearer,
+    deadline: Option<Duration>,
+}
+
+/// A channel that adds the client's token to every call; what the raw stubs run on.
+pub type Secured = InterceptedService<Channel, Bearer>;
+
+/// Adds `authorization: Bearer TOKEN`, if there is a token.
+#[derive(Clone, Debug, Default)]
+pub struct Bearer {
+    authorization: Option<MetadataValue<Ascii>>,
+}
+
+impl Interceptor for Bearer {
+    fn call(&mut self, mut request: Request<()>) -> Result<Request<()>, Status> {
+        if let Some(value) = &self.authorization {
+            request.metadata_mut().insert("authorization", value.clone());
+        }
+        Ok(request)
+    }
+}
+
+impl Client {
+    /// Connects to a server, as `http://127.0.0.1:7070`; the `http://` may be left out.
+    ///
+    /// Small calls go out at once (TCP_NODELAY). Should the connection break later, the next call opens a new one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Address`] if it cannot be understood; [`Error::Connect`] if nothing answers within 5 seconds.
+    pub async fn connect(address: &str) -> Result<Self, Error> {
+        let endpoint = Self::endpoint(address)?;
+        let channel = endpoint.connect().await.map_err(|error| Error::Connect {
+            address: address.to_owned(),
+            reason: innermost(&error),
+        })?;
+        Ok(Self::from_channel(channel))
+    }
+
+    /// The endpoint that [`connect`](Self::connect) uses, for those who want to change it and then call
+    /// [`from_channel`](Self::from_channel).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Address`] if the address cannot be understood.
+    pub fn endpoint(address: &str) -> Result<Endpoint, Error> {
+        let refuse = |reason: String| Error::Address {
+            address: address.to_owned(),
+            reason,
+        };
+        let url = if address.contains("://") {
+            address.to_owned()
+        } else {
+            format!("http://{address}")
+        };
+        if url.starts_with("https://") {
+            return Err(refuse("this client speaks no TLS yet".to_owned()));
+        }
+        let endpoint = Endpoint::from_shared(url).map_err(|error| refuse(innermost(&error)))?;
+        if endpoint.uri().authority().is_none() {
+            return Err(refuse("it names no host".to_owned()));
+        }
+        Ok(endpoint
+            .tcp_nodelay(true)
+            .connect_timeout(CONNECT_WAIT)
+            .initial_stream_window_size(STREAM_WINDOW)
+            .initial_connection_window_size(CONNECTION_WINDOW))
+    }
+
+    /// A client on a channel that is already there, such as one to a server in the same process.
+    pub fn from_channel(channel: Channel) -> Self {
+        Self {
+            channel,
+            session: String::new(),
+            bearer: Bearer::default(),
+            deadline: None,
+        }
+    }
+
+    /// The same connection, for another session; empty means `default`.
+    #[must_use]
+    pub fn with_session(mut self, session: impl Into<String>) -> Self {
+        self.session = session.into();
+        self
+    }
+
+    /// The same connection, with the right that this token gives.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Token`] if it holds characters that metadata cannot carry.
+    pub fn with_token(mut self, token: &str) -> Result<Self, Error> {
+        let mut value: MetadataValue<Ascii> = format!("Bearer {token}").parse().map_err(|_| Error::Token)?;
+        value.set_sensitive(true);
+        self.bearer.authorization = Some(value);
+        Ok(self)
+    }
+
+    /// The same connection, where each call is given up after this long. Streams have no deadline.
+    #[must_use]
+    pub fn with_deadline(mut self, deadline: Duration) -> Self {
+        self.deadline = Some(deadline);
+        self
+    }
+
+    /// The session whose world this client asks about; empty means `default`.
+    pub fn session(&self) -> &str {
+        &self.session
+    }
+
+    /// The raw stub of the sessions.
+    pub fn sessions(&self) -> SessionServiceClient<Secured> {
+        SessionServiceClient::with_interceptor(self.channel.clone(), self.bearer.clone())
+            .max_decoding_message_size(MAX_ANSWER_BYTES)
+    }
+
+    /// The raw stub of the geometries.
+    pub fn geometries(&self) -> GeometryServiceClient<Secured> {
+        GeometryServiceClient::with_interceptor(self.channel.clone(), self.bearer.clone())
+            .max_decoding_message_size(MAX_ANSWER_BYTES)
+    }
+
+    /// The raw stub of the world.
+    pub fn world(&self) -> WorldServiceClient<Secured> {
+        WorldServiceClient::with_interceptor(self.channel.clone(), self.bearer.clone())
+            .max_decoding_message_size(MAX_ANSWER_BYTES)
+    }
+
+    /// The raw stub of the questions.
+    pub fn questions(&self) -> QueryServiceClient<Secured> {
+        QueryServiceClient::with_interceptor(self.channel.clone(), self.bearer.clone())
+            .max_decoding_message_size(MAX_ANSWER_BYTES)
+    }
+
+    /// A request that carries the client's deadline.
+    fn request<T>(&self, message: T) -> Request<T> {
+        let mut request = Request::new(message);
+        if let Some(deadline) = self.deadline {
+            request.set_timeout(deadline);
+        }
+        request
+    }
+
+    /// Applies edits as one tick, all or nothing, and says which tick.
+    ///
+    /// ```no_run
+    /// # async fn example(client: calipers_client::Client) -> Result<(), calipers_client::Error> {
+    /// use calipers_client::{edit, shape};
+    ///
+    /// let done = client.edit([shape::sphere(1, 0.5).insert(), edit::remove([2])]).await?;
+    /// println!("seen from tick {}", done.tick);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub async fn edit(&self, edits: impl IntoIterator<Item = proto::Edit>) -> Result<proto::EditResponse, Error> {
+        let edits = edits.into_iter().collect();
+        self.edit_with(proto::EditRequest {
+            edits,
+            ..proto::EditRequest::default()
+        })
+        .await
+    }
+
+    /// Says where a shape is at the newest tick.
+    pub async fn shape(&self, id: u64) -> Result<proto::GetShapeResponse, Error> {
+        self.get_shape(proto::GetShapeRequest {
+            id,
+            ..proto::GetShapeRequest::default()
+        })
+        .await
+    }
+
+    /// Registers a geometry that fits into one message, and says its id. Repeating it returns the same id.
+    pub async fn register(&self, geometry: proto::Geometry) -> Result<proto::GeometryInfo, Error> {
+        let request = proto::CreateGeometryRequest {
+            geometry: Some(geometry),
+            ..proto::CreateGeometryRequest::default()
+        };
+        let response = self.create_geometry(request).await?;
+        response
+            .geometry
+            .ok_or_else(|| Status::internal("the server registered a geometry and did not say which").into())
+    }
+
+    /// Makes a session, and a client of it that carries its owner's token.
+    ///
+    /// ```no_run
+    /// # async fn example(client: calipers_client::Client) -> Result<(), calipers_client::Error> {
+    /// let arena = client.open_session(calipers_client::proto::CreateSessionRequest::default()).await?;
+    /// println!("{}", arena.session());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub async fn open_session(&self, request: proto::CreateSessionRequest) -> Result<Self, Error> {
+        let response = self.create_session(request).await?;
+        let session = response.session.unwrap_or_default().session;
+        self.clone().with_session(session).with_token(&response.token)
+    }
+}
+
+/// Writes the calls that name the client's session.
+macro_rules! calls_of_the_session {
+    ($($(#[$doc:meta])* $name:ident = $stub:ident.$rpc:ident($request:ident) -> $response:ident;)*) => {
+        impl Client {
+            $($(#[$doc])*
+            pub async fn $name(&self, mut request: proto::$request) -> Result<proto::$response, Error> {
+                if request.session.is_empty() {
+                    request.session.clone_from(&self.session);
+                }
+                Ok(self.$stub().$rpc(self.request(request)).await?.into_inner())
+            })*
+        }
+    };
+}
+
+calls_of_the_session! {
+    /// What does a ray hit?
+    raycast = questions.raycast(RaycastRequest) -> RaycastResponse;
+    /// Which shapes touch the subject?
+    overlap = questions.overlap(OverlapRequest) -> OverlapResponse;
+    /// How deep do shapes and the subject overlap, and where do they touch?
+    penetration = questions.penetration(PenetrationRequest) -> PenetrationResponse;
+    /// What does the moving subject touch first, and when?
+    time_of_impact = questions.time_of_impact(TimeOfImpactRequest) -> TimeOfImpactResponse;
+    /// Which shapes are nearest to the subject, and how near?
+    distance = questions.distance(DistanceRequest) -> DistanceResponse;
+    /// Questions of any kinds, answered on one tick.
+    batch = questions.batch(BatchRequest) -> BatchResponse;
+    /// Many rays, as columns.
+    raycast_batch = questions.raycast_batch(RaycastBatchRequest) -> RaycastBatchResponse;
+    /// One geometry at many places: what touches it?
+    overlap_batch = questions.overlap_batch(OverlapBatchRequest) -> OverlapBatchResponse;
+    /// One geometry on many ways: what does it touch first?
+    time_of_impact_batch = questions.time_of_impact_batch(TimeOfImpactBatchRequest) -> TimeOfImpactBatchResponse;
+    /// One geometry at many places: what is nearest?
+    distance_batch = questions.distance_batch(DistanceBatchRequest) -> DistanceBatchResponse;
+    /// Applies edits as one tick, with everything that the request can say.
+    edit_with = world.edit(EditRequest) -> EditResponse;
+    /// Says where a shape is, or was.
+    get_shape = world.get_shape(GetShapeRequest) -> GetShapeResponse;
+    /// Lists shapes, by id, a page at a time.
+    list_shapes = world.list_shapes(ListShapesRequest) -> ListShapesResponse;
+    /// Says what the world holds, what was built for it, and what that costs.
+    describe_world = world.describe_world(DescribeWorldRequest) -> DescribeWorldResponse;
+    /// Changes settings of the world; those left out stay.
+    update_world = world.update_world(UpdateWorldRequest) -> UpdateWorldResponse;
+    /// Registers a geometry that fits into one message.
+    create_geometry = geometries.create_geometry(CreateGeometryRequest) -> CreateGeometryResponse;
+    /// Says how a geometry stands.
+    get_geometry = geometries.get_geometry(GetGeometryRequest) -> GetGeometryResponse;
+    /// Lists geometries, by id, a page at a time.
+    list_geometries = geometries.list_geometries(ListGeometriesRequest) -> ListGeometriesResponse;
+    /// Forgets a geometry; shapes that use it keep it.
+    delete_geometry = geometries.delete_geometry(DeleteGeometryRequest) -> DeleteGeometryResponse;
+    /// Makes one more token for the session.
+    create_token = sessions.create_token(CreateTokenRequest) -> CreateTokenResponse;
+    /// Says how the session stands.
+    get_session = sessions.get_session(GetSessionRequest) -> GetSessionResponse;
+    /// Renews the session's lease, and can change its length.
+    renew_session = sessions.renew_session(RenewSessionRequest) -> RenewSessionResponse;
+    /// Ends the session, its streams, and all it owns.
+    delete_session = sessions.delete_session(DeleteSessionRequest) -> DeleteSessionResponse;
+}
+
+impl Client {
+    /// Makes a session with an empty world; an empty id lets the server choose. The client's own session plays no part.
+    /// [`open_session`](Self::open_session) returns a client of it.
+    pub async fn create_session(
+        &self,
+        request: proto::CreateSessionRequest,
+    ) -> Result<proto::CreateSessionResponse, Error> {
+        Ok(self
+            .sessions()
+            .create_session(self.request(request))
+            .await?
+            .into_inner())
+    }
+
+    /// Lists the server's sessions, by id; needs the operator's token.
+    pub async fn list_sessions(
+        &self,
+        request: proto::ListSessionsRequest,
+    ) -> Result<proto::ListSessionsResponse, Error> {
+        Ok(self.sessions().list_sessions(self.request(request)).await?.into_inner())
+    }
+}
+
+/// The innermost cause: the transport's own message is often no more than "transport error".
+fn innermost(error: &dyn std::error::Error) -> String {
+    let mut cause = error;
+    while let Some(source) = cause.source() {
+        cause = source;
+    }
+    cause.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_needs_no_scheme() {
+        assert_eq!(
+            Client::endpoint("127.0.0.1:7070").unwrap().uri().to_string(),
+            "http://127.0.0.1:7070/"
+        );
+    }
+
+    #[test]
+    fn a_wrong_address_is_told_with_one_that_works() {
+        for address in ["", "http://", "not an address", "https://127.0.0.1:7070"] {
+            let said = Client::endpoint(address).unwrap_err().to_string();
+            assert!(said.contains("http://127.0.0.1:7070"), "{said}");
+        }
+    }
+
+    #[tokio::test]
+    async fn nothing_listening_is_told_with_the_address() {
+        let free = std::net::TcpListener::bind("127.0.0.1:0")
+            .unwrap()
+            .local_addr()
+            .unwrap();
+        let said = Client::connect(&free.to_string()).await.unwrap_err().to_string();
+        assert!(said.contains(&free.to_string()) && said.contains("refused"), "{said}");
+    }
+
+    #[tokio::test]
+    async fn a_token_that_cannot_be_sent_is_refused_at_once() {
+        let client = Client::from_channel(Channel::from_static("http://127.0.0.1:1").connect_lazy());
+        assert!(matches!(client.clone().with_token("line\nbreak"), Err(Error::Token)));
+        assert!(client.with_token("abc").is_ok());
+    }
+}
