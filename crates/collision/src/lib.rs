@@ -5,7 +5,7 @@
 //! overlap. Normals are unit vectors from `b` to `a` (from the shape of the world to the asker).
 //!
 //! # Layers
-//! `math → shape → {broad, narrow} → world`; each uses only those to its left.
+//! `math → broad → shape → narrow → world`; each uses only those to its left (a mesh keeps a tree of boxes).
 //!
 //! # Never
 //! Network, threads, clocks, files, logging, randomness.

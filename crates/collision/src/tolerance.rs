@@ -25,3 +25,15 @@ pub const SLAB_SLACK: f64 = 8.0 * ROUNDING;
 /// A sum of squares above this has all its digits: the smallest normal number, with room for the digits of squares that
 /// are 2⁻⁵³ of the largest. Below it a length is taken as 0 where a lower bound is asked: that is lengths of 1e-138 m.
 pub const SQUARE_MIN: f64 = 1e-276;
+
+/// A component of `a × b` is off by less than this part of `2·max|a|·max|b|`, the rounding of `a` and `b` themselves as
+/// differences included: two factors of one rounding each, a product and a difference make four, and two are spare.
+/// Larger: more triangles take the exact test. Smaller: an area might be seen where there is none. Test:
+/// `geometry_mesh.rs`, slivers.
+pub const CROSS_PRODUCT: f64 = 12.0 * ROUNDING;
+
+/// A coordinate of a rotated point is off by less than this part of the point's reach. The unit quaternion's components
+/// are right to 6 roundings, the matrix' entries to 32 (the diagonal, `1 - (yy + zz)`, is the worst), a row has at most
+/// √3 of the reach as the sum of absolute values, and the product adds 4 more: 32·√3 + 4·√3 < 64. Larger: boxes are
+/// wider. Smaller: a box might not hold its shape. Test: `geometry_bounds.rs`, exact rational rotations.
+pub const ROTATED_COORDINATE: f64 = 64.0 * ROUNDING;

@@ -4,7 +4,15 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
-use super::{Convex, Core, Hull, Mesh};
+use super::{
+    Convex, Core, Hull, Mesh,
+    bounds::{local_bounds, placed_bounds, reach},
+    identity::content_hash,
+    limits::{
+        AXES, GeometryError, Limits, check_coordinates, check_count, check_finite, check_size, check_size_or_zero,
+        is_size, out_of_limits,
+    },
+};
 use crate::math::{Aabb, Pose};
 
 /// The hash of a geometry's content: equal forms have equal ids, on every machine.
@@ -24,141 +32,170 @@ pub enum Form {
 #[derive(Clone, Debug)]
 pub struct Geometry {
     form: Form,
+    local_bounds: Aabb,
+    reach: f64,
     id: OnceLock<GeometryId>,
-}
-
-/// The limits within which numbers are accepted.
-#[derive(Debug)]
-pub struct Limits;
-
-impl Limits {
-    /// Coordinates lie within this of 0, metres.
-    pub const COORDINATE: f64 = 1e12;
-    /// Sizes are at least this, metres, or 0 where that is a form.
-    pub const SIZE_MIN: f64 = 1e-9;
-    /// Sizes are at most this, metres.
-    pub const SIZE_MAX: f64 = 1e9;
-    /// Most points of a hull.
-    pub const HULL_POINTS: usize = 65_536;
-    /// Most triangles of a mesh.
-    pub const MESH_TRIANGLES: usize = 4_000_000;
-}
-
-/// Why a form is refused. `field` names it as the API does, such as `half_extents.y` or `points[7]`.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum GeometryError {
-    /// NaN or infinite.
-    #[error("{field} is {value}: it must be a finite number")]
-    NotFinite {
-        /// Which number.
-        field: String,
-        /// What was found.
-        value: f64,
-    },
-    /// Outside the limits.
-    #[error("{field} is {value}: it must be {allowed}")]
-    OutOfLimits {
-        /// Which number.
-        field: String,
-        /// What was found.
-        value: f64,
-        /// What would be right.
-        allowed: &'static str,
-    },
-    /// The length of a list is wrong.
-    #[error("{field} has {found} numbers: {expected}")]
-    ColumnLength {
-        /// Which list.
-        field: String,
-        /// How many there were.
-        found: usize,
-        /// What would be right.
-        expected: String,
-    },
-    /// Too many items.
-    #[error("{field} has {found} items: at most {most} are allowed")]
-    TooMany {
-        /// Which list.
-        field: String,
-        /// How many there were.
-        found: usize,
-        /// How many may be.
-        most: usize,
-    },
-    /// An index that names nothing, or a form that is none.
-    #[error("{field}: {reason}")]
-    Bad {
-        /// Which part.
-        field: String,
-        /// What is wrong and what would be right.
-        reason: String,
-    },
 }
 
 impl Geometry {
     /// A point: the local origin.
     #[must_use]
     pub fn point() -> Self {
-        Self::of(Form::Convex(Convex {
-            core: Core::Point,
-            radius: 0.0,
-        }))
+        Self::convex(Core::Point, 0.0)
     }
 
     /// A sphere of `radius` metres.
     ///
     /// # Errors
     /// `radius` is not finite or not within [`Limits`]; 0 is none (that is [`Geometry::point`]).
-    pub fn sphere(_radius: f64) -> Result<Self, GeometryError> {
-        todo!()
+    pub fn sphere(radius: f64) -> Result<Self, GeometryError> {
+        check_size(
+            "radius",
+            radius,
+            "from 1e-9 to 1e9 metres (for a single point, send a point)",
+        )?;
+        Ok(Self::convex(Core::Point, radius))
     }
 
     /// A box. One or two components may be 0 (a plate, a stick).
     ///
     /// # Errors
     /// A component is not finite, negative, outside [`Limits`], or all are 0.
-    pub fn cuboid(_half_extents: DVec3) -> Result<Self, GeometryError> {
-        todo!()
+    pub fn cuboid(half_extents: DVec3) -> Result<Self, GeometryError> {
+        for (axis, value) in half_extents.to_array().into_iter().enumerate() {
+            let field = || format!("half_extents.{}", AXES[axis]);
+            check_size_or_zero(field, value, "0 or from 1e-9 to 1e9 metres")?;
+        }
+        if half_extents == DVec3::ZERO {
+            return Err(GeometryError::Bad {
+                field: "half_extents".into(),
+                reason: "all are 0: one or two may be (a plate, a stick); for a single point, send a point".into(),
+            });
+        }
+        let half_extents = half_extents + DVec3::ZERO;
+        Ok(Self::convex(Core::Cuboid { half_extents }, 0.0))
     }
 
-    /// A capsule along y. `radius` 0 is a segment, `half_height` 0 a ball; both 0 is an error.
+    /// A capsule along y. `radius` 0 is a segment, `half_height` 0 a ball (the very form, and id, that
+    /// [`Geometry::sphere`] makes); both 0 is an error.
     ///
     /// # Errors
     /// As for the others.
-    pub fn capsule(_half_height: f64, _radius: f64) -> Result<Self, GeometryError> {
-        todo!()
+    pub fn capsule(half_height: f64, radius: f64) -> Result<Self, GeometryError> {
+        let allowed = "0 or from 1e-9 to 1e9 metres";
+        check_size_or_zero(|| "half_height".into(), half_height, allowed)?;
+        check_size_or_zero(|| "radius".into(), radius, allowed)?;
+        match (half_height == 0.0, radius == 0.0) {
+            (true, true) => Err(GeometryError::Bad {
+                field: "radius".into(),
+                reason: "half_height and radius are both 0: one may be; for a single point, send a point".into(),
+            }),
+            (true, false) => Ok(Self::convex(Core::Point, radius)),
+            (false, _) => Ok(Self::convex(Core::Segment { half_height }, radius + 0.0)),
+        }
     }
 
     /// The convex hull of points: 1 to 65,536, in any order, inner ones allowed, flat or straight sets too.
     ///
     /// # Errors
     /// Not finite, out of limits, none or too many.
-    pub fn hull(_points: &[DVec3]) -> Result<Self, GeometryError> {
-        todo!()
+    pub fn hull(points: &[DVec3]) -> Result<Self, GeometryError> {
+        check_count(
+            "points",
+            points.len(),
+            Limits::HULL_POINTS,
+            "a hull needs 1 to 65536 points",
+        )?;
+        check_coordinates("points", points)?;
+        Ok(Self::convex(Core::Hull(Arc::new(Hull::new(points))), 0.0))
     }
 
     /// A surface of triangles, felt from both sides. Degenerate triangles are left out and counted in the report.
     ///
     /// # Errors
     /// Not finite, out of limits, an index that names no vertex, no triangle at all.
-    pub fn mesh(_vertices: &[DVec3], _indices: &[[u32; 3]]) -> Result<Self, GeometryError> {
-        todo!()
+    pub fn mesh(vertices: &[DVec3], indices: &[[u32; 3]]) -> Result<Self, GeometryError> {
+        let hint = "a mesh needs 1 to 4000000 triangles, three numbers each";
+        check_count("indices", indices.len(), Limits::MESH_TRIANGLES, hint)?;
+        let most = 3 * Limits::MESH_TRIANGLES;
+        check_count("vertices", vertices.len(), most, "a mesh needs at least 3 vertices")?;
+        check_coordinates("vertices", vertices)?;
+        for (position, &index) in indices.as_flattened().iter().enumerate() {
+            if index as usize >= vertices.len() {
+                return Err(GeometryError::Bad {
+                    field: format!("indices[{position}]"),
+                    reason: format!("is {index}: there are {} vertices", vertices.len()),
+                });
+            }
+        }
+        Self::of_mesh(Mesh::new(vertices, indices), "indices")
     }
 
     /// The same form with all points within `rounding` of it; convex forms only.
     ///
     /// # Errors
     /// `rounding` is not finite, negative or out of limits, or the form is a mesh.
-    pub fn rounded(self, _rounding: f64) -> Result<Self, GeometryError> {
-        todo!()
+    pub fn rounded(self, rounding: f64) -> Result<Self, GeometryError> {
+        let allowed = "0 or from 1e-9 to 1e9 metres, the form's own radius included";
+        check_size_or_zero(|| "rounding".into(), rounding, allowed)?;
+        match self.form {
+            Form::Mesh(_) if rounding == 0.0 => Ok(self),
+            Form::Mesh(_) => Err(GeometryError::Bad {
+                field: "rounding".into(),
+                reason: "is above 0: a mesh takes none, only convex forms do".into(),
+            }),
+            Form::Convex(Convex { core, radius }) => {
+                check_size_or_zero(|| "rounding".into(), radius + rounding, allowed)?;
+                Ok(Self::convex(core, radius + rounding))
+            }
+        }
     }
 
-    /// The same form, `scale` times as large, rounding included.
+    /// The same form, `scale` times as large, rounding included. Each number is multiplied and rounded to nearest, so
+    /// powers of two are exact.
     ///
     /// # Errors
     /// `scale` is not finite or not above 0, or a size leaves the limits.
-    pub fn scaled(self, _scale: f64) -> Result<Self, GeometryError> {
-        todo!()
+    pub fn scaled(self, scale: f64) -> Result<Self, GeometryError> {
+        check_finite(|| "scale".into(), scale)?;
+        let fail = |allowed| out_of_limits("scale".into(), scale, allowed);
+        if scale <= 0.0 {
+            return Err(fail("above 0"));
+        }
+        let size = |value: f64| {
+            let fits = value == 0.0 || is_size(value * scale);
+            fits.then_some(value * scale)
+                .ok_or_else(|| fail("such that sizes stay from 1e-9 to 1e9 metres"))
+        };
+        let fits = self
+            .local_bounds
+            .min
+            .abs()
+            .max(self.local_bounds.max.abs())
+            .max_element()
+            * scale;
+        if fits > Limits::COORDINATE {
+            return Err(fail("such that coordinates stay within 1e12 metres"));
+        }
+        let (core, radius) = match self.form {
+            Form::Mesh(mesh) => return Self::of_mesh(mesh.scaled(scale), "scale"),
+            Form::Convex(Convex { core, radius }) => (core, size(radius)?),
+        };
+        let core = match core {
+            Core::Point => Core::Point,
+            Core::Segment { half_height } => Core::Segment {
+                half_height: size(half_height)?,
+            },
+            Core::Cuboid { half_extents: h } => Core::Cuboid {
+                half_extents: DVec3::new(size(h.x)?, size(h.y)?, size(h.z)?),
+            },
+            Core::Hull(hull) => {
+                let points: Vec<DVec3> = hull.vertices().iter().map(|&vertex| vertex * scale).collect();
+                Core::Hull(Arc::new(Hull::new(&points)))
+            }
+            Core::Triangle(corners) => Core::Triangle(corners.map(|corner| corner * scale)),
+        };
+        Ok(Self::convex(core, radius))
     }
 
     /// What it is.
@@ -167,38 +204,65 @@ impl Geometry {
         &self.form
     }
 
-    /// The hash of its content, computed when first asked.
+    /// The hash of its content, computed when first asked: blake3 over the kind and its numbers as little-endian f64
+    /// (−0 as +0). A hull counts by its distinct points in the order sent; a mesh by its distinct vertices in the order
+    /// of their first use and its kept triangles with the numbers they were sent with.
     #[must_use]
     pub fn id(&self) -> GeometryId {
-        todo!()
+        *self.id.get_or_init(|| content_hash(&self.form))
     }
 
-    /// Its local bounds.
+    /// Its local bounds, rounded outwards.
     #[must_use]
     pub fn local_bounds(&self) -> Aabb {
-        todo!()
+        self.local_bounds
     }
 
     /// The canonical box of this form at a pose: rounded outwards, so that it surely holds every point of the shape.
+    /// It is tight for convex forms; that of a turned mesh is the box of its turned local box. Costs a pass over the
+    /// points of a hull.
     #[must_use]
-    pub fn bounds(&self, _pose: &Pose) -> Aabb {
-        todo!()
+    pub fn bounds(&self, pose: &Pose) -> Aabb {
+        placed_bounds(self, pose)
     }
 
     /// Radius about the local origin, rounded up.
     #[must_use]
     pub fn reach(&self) -> f64 {
-        todo!()
+        self.reach
     }
 
     /// Bytes it holds in memory now, lazily built structures included.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        todo!()
+        let shared = match &self.form {
+            Form::Mesh(mesh) => mesh.memory_bytes(),
+            Form::Convex(convex) => match &convex.core {
+                Core::Hull(hull) => hull.memory_bytes(),
+                Core::Point | Core::Segment { .. } | Core::Cuboid { .. } | Core::Triangle(_) => 0,
+            },
+        };
+        size_of::<Self>() as u64 + shared
+    }
+
+    fn convex(core: Core, radius: f64) -> Self {
+        Self::of(Form::Convex(Convex { core, radius }))
+    }
+
+    fn of_mesh(mesh: Mesh, field: &str) -> Result<Self, GeometryError> {
+        if mesh.triangles().is_empty() {
+            return Err(GeometryError::Bad {
+                field: field.into(),
+                reason: "no triangle has an area: at least one must".into(),
+            });
+        }
+        Ok(Self::of(Form::Mesh(Arc::new(mesh))))
     }
 
     fn of(form: Form) -> Self {
         Self {
+            local_bounds: local_bounds(&form),
+            reach: reach(&form),
             form,
             id: OnceLock::new(),
         }

@@ -1,13 +1,26 @@
-//! Triangle meshes and their tree, which is built when a question first needs it.
+//! Triangle meshes: what is kept of what was sent, and which triangles are neighbours.
+
+use std::{collections::HashMap, sync::OnceLock};
 
 use glam::DVec3;
+
+use super::adjacency::Adjacency;
+use crate::{
+    broad::StaticTree,
+    math::{Aabb, expansion::ExactVector},
+};
 
 /// Triangles, felt from both sides.
 #[derive(Debug)]
 pub struct Mesh {
     vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
-    report: MeshReport,
+    /// The number each triangle was sent with; empty if none was left out before it.
+    sent_numbers: Vec<u32>,
+    triangles_sent: usize,
+    merged_vertices: usize,
+    adjacency: OnceLock<Adjacency>,
+    tree: OnceLock<StaticTree>,
 }
 
 /// What was found in a mesh when it came.
@@ -26,7 +39,57 @@ pub struct MeshReport {
 }
 
 impl Mesh {
-    /// The distinct vertices.
+    /// Keeps the triangles with an area (decided exactly) and the vertices that they use, equal ones once. The numbers
+    /// are finite and the indices name vertices, which the caller has checked.
+    #[must_use]
+    pub(super) fn new(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+        let numbers: Vec<u32> = (0..).take(triangles.len()).collect();
+        Self::numbered(vertices, triangles, &numbers, triangles.len())
+    }
+
+    /// The same triangles, each vertex `scale` times as far from the local origin, rounded to nearest.
+    #[must_use]
+    pub(super) fn scaled(&self, scale: f64) -> Self {
+        let vertices: Vec<DVec3> = self.vertices.iter().map(|&vertex| vertex * scale).collect();
+        let numbers: Vec<u32> = (0..self.triangles.len()).map(|index| self.sent_number(index)).collect();
+        Self::numbered(&vertices, &self.triangles, &numbers, self.triangles_sent)
+    }
+
+    fn numbered(vertices: &[DVec3], triangles: &[[u32; 3]], numbers: &[u32], triangles_sent: usize) -> Self {
+        let (first_equal, merged_vertices) = first_equal(vertices);
+        let mut kept_index = vec![u32::MAX; vertices.len()];
+        let mut mesh = Self {
+            vertices: Vec::new(),
+            triangles: Vec::with_capacity(triangles.len()),
+            sent_numbers: Vec::new(),
+            triangles_sent,
+            merged_vertices,
+            adjacency: OnceLock::new(),
+            tree: OnceLock::new(),
+        };
+        for (triangle, &number) in triangles.iter().zip(numbers) {
+            let corners = triangle.map(|vertex| vertices[vertex as usize]);
+            if !has_area(corners) {
+                continue;
+            }
+            let kept = triangle.map(|vertex| {
+                let first = first_equal[vertex as usize] as usize;
+                if kept_index[first] == u32::MAX {
+                    kept_index[first] = u32::try_from(mesh.vertices.len()).unwrap_or(u32::MAX);
+                    mesh.vertices.push(vertices[first] + DVec3::ZERO);
+                }
+                kept_index[first]
+            });
+            mesh.triangles.push(kept);
+            mesh.sent_numbers.push(number);
+        }
+        if mesh.triangles.len() == triangles_sent {
+            mesh.sent_numbers = Vec::new();
+        }
+        mesh
+    }
+
+    /// The distinct vertices that triangles use, in order of first use.
     #[must_use]
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices
@@ -38,9 +101,98 @@ impl Mesh {
         &self.triangles
     }
 
-    /// What was found when it came.
+    /// The corners of a kept triangle, in the order sent.
+    #[must_use]
+    pub fn corners(&self, index: usize) -> [DVec3; 3] {
+        self.triangles[index].map(|vertex| self.vertices[vertex as usize])
+    }
+
+    /// The number a kept triangle was sent with.
+    #[must_use]
+    pub fn sent_number(&self, index: usize) -> u32 {
+        match self.sent_numbers.get(index) {
+            Some(&number) => number,
+            None => u32::try_from(index).unwrap_or(u32::MAX),
+        }
+    }
+
+    /// The box of a kept triangle, exact.
+    #[must_use]
+    pub fn triangle_bounds(&self, index: usize) -> Aabb {
+        let [a, b, c] = self.corners(index);
+        Aabb::new(a.min(b).min(c), a.max(b).max(c))
+    }
+
+    /// Which triangles are neighbours; built when first asked.
+    #[must_use]
+    pub fn adjacency(&self) -> &Adjacency {
+        self.adjacency.get_or_init(|| Adjacency::new(&self.triangles))
+    }
+
+    /// The tree over the boxes of its triangles; built when a question first needs it. Leaves are kept triangles.
+    #[must_use]
+    pub fn tree(&self) -> &StaticTree {
+        self.tree.get_or_init(|| {
+            let boxes: Vec<Aabb> = (0..self.triangles.len())
+                .map(|index| self.triangle_bounds(index))
+                .collect();
+            StaticTree::build(&boxes)
+        })
+    }
+
+    /// The tree, if a question has needed it.
+    #[must_use]
+    pub fn built_tree(&self) -> Option<&StaticTree> {
+        self.tree.get()
+    }
+
+    /// What was found when it came. The first call looks for open edges, which costs a sort of all edges.
     #[must_use]
     pub fn report(&self) -> MeshReport {
-        self.report
+        let adjacency = self.adjacency();
+        MeshReport {
+            triangles_sent: self.triangles_sent,
+            degenerate: self.triangles_sent - self.triangles.len(),
+            merged_vertices: self.merged_vertices,
+            open_edges: adjacency.open_edges(),
+            non_manifold_edges: adjacency.non_manifold_edges(),
+        }
     }
+
+    /// Bytes held now, what was built lazily included.
+    #[must_use]
+    pub fn memory_bytes(&self) -> u64 {
+        let lists = size_of_val(self.vertices.as_slice())
+            + size_of_val(self.triangles.as_slice())
+            + size_of_val(self.sent_numbers.as_slice())
+            + self.adjacency.get().map_or(0, Adjacency::memory_bytes);
+        (size_of::<Self>() + lists) as u64 + self.tree.get().map_or(0, StaticTree::memory_bytes)
+    }
+}
+
+/// For each vertex the first one equal to it (−0 and +0 are equal), and how many were equal to an earlier one.
+fn first_equal(vertices: &[DVec3]) -> (Vec<u32>, usize) {
+    let mut seen: HashMap<[u64; 3], u32> = HashMap::with_capacity(vertices.len());
+    let mut merged = 0;
+    let first = vertices.iter().zip(0..).map(|(vertex, index)| {
+        let first = *seen
+            .entry((*vertex + DVec3::ZERO).to_array().map(f64::to_bits))
+            .or_insert(index);
+        merged += usize::from(first != index);
+        first
+    });
+    (first.collect(), merged)
+}
+
+/// Whether a triangle has an area that is not exactly 0.
+fn has_area([a, b, c]: [DVec3; 3]) -> bool {
+    let (along, across) = (b - a, c - a);
+    let area = along.cross(across);
+    let largest = along.abs().max_element() * across.abs().max_element();
+    // A component of the rounded cross product is off by less than 6 roundings of 2·largest.
+    if area.abs().max_element() > crate::tolerance::CROSS_PRODUCT * largest {
+        return true;
+    }
+    let exact = ExactVector::difference(b, a).cross(&ExactVector::difference(c, a));
+    !exact.is_zero()
 }

@@ -3,13 +3,19 @@
 //! A *convex* form is a core (point, segment, box, hull) and all points within a radius of it: a sphere is a rounded
 //! point, a capsule a rounded segment. So a kernel that knows cores and a radius knows every rounded form as well.
 
+mod adjacency;
+mod bounds;
 mod convex;
 mod geometry;
 mod hull;
+mod identity;
+mod limits;
 mod mesh;
 mod quickhull;
 
+pub use adjacency::Adjacency;
 pub use convex::{Convex, Core};
-pub use geometry::{Form, Geometry, GeometryError, GeometryId, Limits};
+pub use geometry::{Form, Geometry, GeometryId};
 pub use hull::{Edge, Face, Hull, Span, Topology};
+pub use limits::{GeometryError, Limits};
 pub use mesh::{Mesh, MeshReport};

@@ -1,0 +1,124 @@
+//! Boxes and radii that surely hold a form: every rounding goes outwards.
+
+use glam::{DMat3, DVec3};
+
+use super::{Core, Form, Geometry};
+use crate::{
+    math::{
+        Aabb, Pose,
+        directed::{add_down, add_up},
+    },
+    tolerance::{ROTATED_COORDINATE, ROUNDING},
+};
+
+/// The local box of a form; exact but for a radius around a core, which is rounded outwards.
+pub(super) fn local_bounds(form: &Form) -> Aabb {
+    match form {
+        Form::Mesh(mesh) => around(mesh.vertices()),
+        Form::Convex(convex) => {
+            let core = match &convex.core {
+                Core::Point => Aabb::new(DVec3::ZERO, DVec3::ZERO),
+                Core::Segment { half_height } => symmetric(DVec3::new(0.0, *half_height, 0.0)),
+                Core::Cuboid { half_extents } => symmetric(*half_extents),
+                Core::Hull(hull) => around(hull.vertices()),
+                Core::Triangle(corners) => around(corners),
+            };
+            sum(core, symmetric(DVec3::splat(convex.radius)))
+        }
+    }
+}
+
+/// The largest distance of a point of the form from the local origin, rounded up.
+pub(super) fn reach(form: &Form) -> f64 {
+    let farthest = |points: &[DVec3]| points.iter().map(|point| length_up(*point)).fold(0.0, f64::max);
+    match form {
+        Form::Mesh(mesh) => farthest(mesh.vertices()),
+        Form::Convex(convex) => {
+            let core = match &convex.core {
+                Core::Point => 0.0,
+                Core::Segment { half_height } => *half_height,
+                Core::Cuboid { half_extents } => length_up(*half_extents),
+                Core::Hull(hull) => farthest(hull.vertices()),
+                Core::Triangle(corners) => farthest(corners),
+            };
+            add_up(core, convex.radius)
+        }
+    }
+}
+
+/// The box of a form at a pose.
+pub(super) fn placed_bounds(geometry: &Geometry, pose: &Pose) -> Aabb {
+    let position = Aabb::new(pose.position, pose.position);
+    if pose.rotation.xyz() == DVec3::ZERO {
+        return sum(geometry.local_bounds(), position);
+    }
+    let turn = pose.matrix();
+    let pad = geometry.reach() * ROTATED_COORDINATE;
+    let (core, radius) = match geometry.form() {
+        Form::Mesh(_) => (turned_box(&turn, geometry.local_bounds()), 0.0),
+        Form::Convex(convex) => (turned_core(&turn, &convex.core), convex.radius),
+    };
+    sum(sum(core, symmetric(DVec3::splat(add_up(radius, pad)))), position)
+}
+
+fn turned_core(turn: &DMat3, core: &Core) -> Aabb {
+    match core {
+        Core::Point => Aabb::new(DVec3::ZERO, DVec3::ZERO),
+        Core::Segment { half_height } => symmetric(turn.y_axis.abs() * *half_height),
+        Core::Cuboid { half_extents } => symmetric(absolute(turn) * *half_extents),
+        Core::Hull(hull) => turned_points(turn, hull.vertices()),
+        Core::Triangle(corners) => turned_points(turn, corners),
+    }
+}
+
+fn turned_points(turn: &DMat3, points: &[DVec3]) -> Aabb {
+    let nothing = Aabb::new(DVec3::INFINITY, DVec3::NEG_INFINITY);
+    points.iter().fold(nothing, |found, &point| {
+        let turned = *turn * point;
+        found.union(Aabb::new(turned, turned))
+    })
+}
+
+/// The farthest corner of the local box may lie √3 times as far out as the reach, so its own rounding is added here.
+fn turned_box(turn: &DMat3, local: Aabb) -> Aabb {
+    let center = *turn * local.center();
+    let half = absolute(turn) * (local.max * 0.5 - local.min * 0.5);
+    let pad = (local.min.abs().max(local.max.abs()).element_sum()) * ROTATED_COORDINATE;
+    sum(Aabb::new(center, center), symmetric(half + pad))
+}
+
+fn absolute(turn: &DMat3) -> DMat3 {
+    DMat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs())
+}
+
+fn around(points: &[DVec3]) -> Aabb {
+    let nothing = Aabb::new(DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let found = points
+        .iter()
+        .fold(nothing, |found, &point| found.union(Aabb::new(point, point)));
+    Aabb::new(found.min + DVec3::ZERO, found.max + DVec3::ZERO)
+}
+
+fn symmetric(half: DVec3) -> Aabb {
+    Aabb::new(DVec3::ZERO - half, half)
+}
+
+/// The Minkowski sum, rounded outwards.
+fn sum(a: Aabb, b: Aabb) -> Aabb {
+    let lower = |axis: usize| add_down(a.min[axis], b.min[axis]) + 0.0;
+    let upper = |axis: usize| add_up(a.max[axis], b.max[axis]) + 0.0;
+    Aabb::new(
+        DVec3::from_array([0, 1, 2].map(lower)),
+        DVec3::from_array([0, 1, 2].map(upper)),
+    )
+}
+
+/// The length of a vector, rounded up: three squares, two sums and a root are off by less than 4 roundings. The largest
+/// component is taken out first, so that no square vanishes.
+fn length_up(vector: DVec3) -> f64 {
+    let largest = vector.abs().max_element();
+    if largest == 0.0 {
+        return 0.0;
+    }
+    largest * (vector / largest).length() * (1.0 + 8.0 * ROUNDING)
+}

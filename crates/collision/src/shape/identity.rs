@@ -1,0 +1,74 @@
+//! The hash of a form's content.
+
+use glam::DVec3;
+
+use super::{Convex, Core, Form, GeometryId, Mesh};
+
+/// Names the byte form below; another layout takes another name, so that ids of the two never meet.
+const LAYOUT: &[u8] = b"calipers geometry 1";
+
+pub(super) fn content_hash(form: &Form) -> GeometryId {
+    let mut content = Content(blake3::Hasher::new());
+    content.0.update(LAYOUT);
+    match form {
+        Form::Convex(convex) => content.convex(convex),
+        Form::Mesh(mesh) => content.mesh(mesh),
+    }
+    GeometryId(*content.0.finalize().as_bytes())
+}
+
+struct Content(blake3::Hasher);
+
+impl Content {
+    fn convex(&mut self, convex: &Convex) {
+        match &convex.core {
+            Core::Point => self.kind(0),
+            Core::Segment { half_height } => {
+                self.kind(1);
+                self.number(*half_height);
+            }
+            Core::Cuboid { half_extents } => {
+                self.kind(2);
+                self.point(*half_extents);
+            }
+            Core::Hull(hull) => {
+                self.kind(3);
+                self.count(hull.vertices().len());
+                hull.vertices().iter().for_each(|&vertex| self.point(vertex));
+            }
+            Core::Triangle(corners) => {
+                self.kind(4);
+                corners.iter().for_each(|&corner| self.point(corner));
+            }
+        }
+        self.number(convex.radius);
+    }
+
+    fn mesh(&mut self, mesh: &Mesh) {
+        self.kind(5);
+        self.count(mesh.vertices().len());
+        mesh.vertices().iter().for_each(|&vertex| self.point(vertex));
+        self.count(mesh.triangles().len());
+        for (index, triangle) in mesh.triangles().iter().enumerate() {
+            for number in triangle.iter().chain([&mesh.sent_number(index)]) {
+                self.0.update(&number.to_le_bytes());
+            }
+        }
+    }
+
+    fn kind(&mut self, kind: u8) {
+        self.0.update(&[kind]);
+    }
+
+    fn count(&mut self, count: usize) {
+        self.0.update(&(count as u64).to_le_bytes());
+    }
+
+    fn point(&mut self, point: DVec3) {
+        point.to_array().into_iter().for_each(|value| self.number(value));
+    }
+
+    fn number(&mut self, value: f64) {
+        self.0.update(&(value + 0.0).to_le_bytes());
+    }
+}

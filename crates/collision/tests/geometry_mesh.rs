@@ -1,0 +1,100 @@
+//! What is kept of a mesh as sent.
+
+use collision::{
+    DVec3,
+    shape::{Form, Geometry, Mesh},
+};
+
+fn mesh_of(geometry: &Geometry) -> &Mesh {
+    match geometry.form() {
+        Form::Mesh(mesh) => mesh,
+        Form::Convex(_) => panic!("a mesh was made"),
+    }
+}
+
+/// A closed tetrahedron, its corners sent three times over, as stl readers do.
+fn soup() -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let vertices = faces.iter().flatten().map(|&corner: &usize| corners[corner]).collect();
+    (
+        vertices,
+        (0..4).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
+    )
+}
+
+#[test]
+fn equal_vertices_are_one_and_neighbours_are_found() {
+    let (vertices, triangles) = soup();
+    let geometry = Geometry::mesh(&vertices, &triangles).expect("a tetrahedron");
+    let report = mesh_of(&geometry).report();
+    assert_eq!(
+        (report.triangles_sent, report.degenerate, report.merged_vertices),
+        (4, 0, 8)
+    );
+    assert_eq!((report.open_edges, report.non_manifold_edges), (0, 0));
+    let adjacency = mesh_of(&geometry).adjacency();
+    for triangle in 0..4 {
+        let mut neighbours: Vec<usize> = (0..3)
+            .flat_map(|side| adjacency.across(triangle, side))
+            .map(|(other, _)| other)
+            .collect();
+        neighbours.sort_unstable();
+        let others: Vec<usize> = (0..4).filter(|&other| other != triangle).collect();
+        assert_eq!(neighbours, others);
+    }
+}
+
+#[test]
+fn open_and_many_sided_edges_are_counted() {
+    let (mut vertices, mut triangles) = soup();
+    triangles.pop();
+    let open = Geometry::mesh(&vertices, &triangles).expect("three faces");
+    assert_eq!(mesh_of(&open).report().open_edges, 3);
+    vertices.extend([DVec3::ZERO, DVec3::X, DVec3::new(0.0, -1.0, -1.0)]);
+    triangles.push([12, 13, 14]);
+    let fin = Geometry::mesh(&vertices, &triangles).expect("four faces");
+    assert_eq!(mesh_of(&fin).report().non_manifold_edges, 1);
+}
+
+#[test]
+fn triangles_without_area_are_left_out_and_numbers_stay_as_sent() {
+    let third = 1.0 / 3.0;
+    let vertices = [
+        DVec3::ZERO,
+        DVec3::splat(third),
+        DVec3::splat(third * 2.0),
+        DVec3::X,
+        DVec3::ZERO,
+    ];
+    let triangles = [[0, 1, 2], [0, 3, 1], [0, 4, 3], [3, 2, 0]];
+    let geometry = Geometry::mesh(&vertices, &triangles).expect("two faces");
+    let mesh = mesh_of(&geometry);
+    assert_eq!(mesh.report().degenerate, 2);
+    assert_eq!([mesh.sent_number(0), mesh.sent_number(1)], [1, 3]);
+    let larger = geometry.clone().scaled(4.0).expect("four times as large");
+    assert_eq!(
+        [mesh_of(&larger).sent_number(0), mesh_of(&larger).sent_number(1)],
+        [1, 3]
+    );
+    assert_eq!(mesh_of(&larger).report().triangles_sent, 4);
+    assert_eq!(larger.local_bounds().max, geometry.local_bounds().max * 4.0);
+}
+
+#[test]
+fn slivers_are_kept_down_to_the_last_bit() {
+    let at = |x: f64, y: f64| DVec3::new(x, y, 1e6);
+    let line = [at(0.1, 0.1), at(0.7, 0.7), at(0.3, 0.3)];
+    assert!(Geometry::mesh(&line, &[[0, 1, 2]]).is_err());
+    for y in [0.3_f64.next_up(), 0.3_f64.next_down()] {
+        assert!(Geometry::mesh(&[line[0], line[1], at(0.3, y)], &[[0, 1, 2]]).is_ok());
+    }
+}
+
+#[test]
+fn vertices_that_no_triangle_uses_do_not_widen_the_box() {
+    let vertices = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::splat(1e6)];
+    let geometry = Geometry::mesh(&vertices, &[[0, 1, 2]]).expect("a face");
+    assert_eq!(geometry.local_bounds().max, DVec3::new(1.0, 1.0, 0.0));
+    assert!(geometry.reach() <= 1.0 + 1e-15);
+}
