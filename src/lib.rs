@@ -1,1 +1,14 @@
-//! s
+//! The Calipers server: messages to questions, questions to answers.
+//!
+//! A request passes these rooms: `rpc` (one file per question) → `convert` (checked values) → `session` (one version of
+//! a world) → the collision crate. [`serve::start`] runs it; [`config::Settings`] says how.
+//!
+//! # Never
+//! Geometry: there is no dot product here.
+
+pub mod config;
+pub mod observe;
+pub mod serve;
+
+mod problem;
+mod rpc;

@@ -1,0 +1,78 @@
+//! What the API names and this version does not do yet: each says what it will do and what to use meanwhile.
+
+use tonic::Status;
+
+use crate::problem::{Problem, Reason};
+
+/// A call that a later version will answer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Later {
+    call: &'static str,
+    will: &'static str,
+    meanwhile: &'static str,
+}
+
+impl From<Later> for Status {
+    fn from(later: Later) -> Self {
+        let Later { call, will, meanwhile } = later;
+        let what = format!("{call} is not served yet: it will {will}; meanwhile {meanwhile}");
+        Problem::new(Reason::NotYet, what).into()
+    }
+}
+
+macro_rules! later {
+    ($($name:ident = $call:literal will $will:literal meanwhile $meanwhile:literal;)*) => {
+        $(pub(super) const $name: Later = Later { call: $call, will: $will, meanwhile: $meanwhile };)*
+    };
+}
+
+later! {
+    FORK_SESSION = "ForkSession"
+        will "copy a session's world into a new session"
+        meanwhile "create a session and insert the shapes that ListShapes gives";
+    UPLOAD_GEOMETRY = "UploadGeometry"
+        will "take a geometry of more than 4 MiB in chunks"
+        meanwhile "cut it into meshes that fit into one CreateGeometry message each";
+    DOWNLOAD_GEOMETRY = "DownloadGeometry"
+        will "send a registered geometry back"
+        meanwhile "keep the form that you created; GetGeometry says its bounds and counts";
+    UPDATE_WORLD = "UpdateWorld"
+        will "change the settings of a world"
+        meanwhile "use the settings in force, which DescribeWorld names";
+    WATCH_OVERLAPS = "WatchOverlaps"
+        will "report which overlaps begin and end"
+        meanwhile "ask Overlap after each tick, with read_at.min_tick";
+    WATCH_WORLD = "WatchWorld"
+        will "send the shapes and their changes to a viewer"
+        meanwhile "read ListShapes after each tick";
+    EXPORT_WORLD = "ExportWorld"
+        will "send one tick of a world, complete in itself"
+        meanwhile "read ListShapes, page by page, which keeps to one tick";
+    IMPORT_WORLD = "ImportWorld"
+        will "fill an empty world from an export"
+        meanwhile "insert the shapes with Edit or EditStream";
+    MOVE_CHARACTER = "MoveCharacter"
+        will "slide a character along what it meets"
+        meanwhile "ask TimeOfImpact and project what is left of the way onto the plane of its normal";
+    RESOLVE = "Resolve"
+        will "say how bodies in contact bounce and are pushed apart"
+        meanwhile "ask Penetration, which gives the contacts with their depths and normals";
+    PAIRS = "Pairs"
+        will "list all pairs of shapes that overlap"
+        meanwhile "ask Overlap for each shape, in one Batch";
+    RAYCAST_BATCH = "RaycastBatch"
+        will "answer many rays given as columns"
+        meanwhile "ask Batch with a raycast for each ray";
+    OVERLAP_BATCH = "OverlapBatch"
+        will "test one geometry at many places given as columns"
+        meanwhile "ask Batch with an overlap for each place";
+    TIME_OF_IMPACT_BATCH = "TimeOfImpactBatch"
+        will "sweep one geometry along many ways given as columns"
+        meanwhile "ask Batch with a time_of_impact for each way";
+    DISTANCE_BATCH = "DistanceBatch"
+        will "find what is nearest to many places given as columns"
+        meanwhile "ask Batch with a distance for each place";
+    QUERY_STREAM = "QueryStream"
+        will "answer questions and batches one after the other on one stream"
+        meanwhile "ask Batch, or several unary calls at once on one connection";
+}
