@@ -51,6 +51,22 @@ pub struct EditFault {
     pub id: ShapeId,
 }
 
+/// Why a batch was refused whole; nothing has changed then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EditError {
+    /// An edit that cannot be applied, under [`EditRule::AllOrNothing`].
+    #[error(transparent)]
+    Fault(#[from] EditFault),
+    /// The time of a tick may equal that of the one before, but not precede it; under either rule.
+    #[error("time is {found} ns: it must not be before that of the newest tick, {newest} ns", found = .found.0, newest = .newest.0)]
+    TimeGoesBack {
+        /// When the newest tick was made.
+        newest: Time,
+        /// What was asked for.
+        found: Time,
+    },
+}
+
 /// What a batch did.
 #[derive(Clone, Debug)]
 pub struct EditReport {
@@ -83,8 +99,9 @@ impl World {
     /// they are. An empty batch makes a tick too.
     ///
     /// # Errors
-    /// With [`EditRule::AllOrNothing`], the first fault; nothing has changed then.
-    pub fn apply(&mut self, _edits: Vec<Edit>, _time: Time, _rule: EditRule) -> Result<EditReport, EditFault> {
+    /// With [`EditRule::AllOrNothing`], the first fault; with either rule, a `time` before that of the newest version.
+    /// Nothing has changed then.
+    pub fn apply(&mut self, _edits: Vec<Edit>, _time: Time, _rule: EditRule) -> Result<EditReport, EditError> {
         todo!()
     }
 }

@@ -6,7 +6,7 @@ mod filter;
 mod question;
 mod snapshot;
 
-pub use edit::{Edit, EditFault, EditReport, EditRule, World};
+pub use edit::{Edit, EditError, EditFault, EditReport, EditRule, World};
 pub use filter::Filter;
 pub use question::{
     Contact, Distance, Found, HitMode, Impact, Meter, Neighbor, Overlap, OverlapHit, Penetration, QuestionError,
