@@ -3,13 +3,17 @@
 //! Every function here takes two placed geometries (or a ray and one), answers with an interval that holds the truth
 //! for the numbers sent, and never returns NaN. Results are symmetric: swapping the arguments swaps the answer.
 
+mod convex;
+
 use glam::DVec3;
+
+use convex::PlacedConvex;
 
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Feature, Work},
     math::Pose,
-    shape::Geometry,
+    shape::{Form, Geometry},
 };
 
 /// A geometry at a pose.
@@ -19,6 +23,18 @@ pub struct Placed<'a> {
     pub geometry: &'a Geometry,
     /// Where it is.
     pub pose: Pose,
+}
+
+impl<'a> Placed<'a> {
+    fn as_convex(&self) -> Option<PlacedConvex<'a>> {
+        match self.geometry.form() {
+            Form::Convex(convex) => Some(PlacedConvex {
+                convex,
+                pose: self.pose,
+            }),
+            Form::Mesh(_) => None,
+        }
+    }
 }
 
 /// How far apart two placed geometries are.
@@ -120,19 +136,19 @@ pub struct ImpactTouch {
 }
 
 /// How far apart `a` and `b` are. `None` if that is proved to be beyond `limit` metres.
-pub fn distance(
-    _a: Placed<'_>,
-    _b: Placed<'_>,
-    _limit: f64,
-    _accuracy: &Accuracy,
-    _work: &mut Work,
-) -> Option<Separation> {
-    todo!()
+pub fn distance(a: Placed<'_>, b: Placed<'_>, limit: f64, accuracy: &Accuracy, work: &mut Work) -> Option<Separation> {
+    match (a.as_convex(), b.as_convex()) {
+        (Some(a), Some(b)) => convex::distance(a, b, limit, accuracy, work),
+        _ => todo!(),
+    }
 }
 
 /// Whether `a` and `b` touch; the bound is that of the signed distance, often one-sided.
-pub fn overlap(_a: Placed<'_>, _b: Placed<'_>, _accuracy: &Accuracy, _work: &mut Work) -> Certificate {
-    todo!()
+pub fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
+    match (a.as_convex(), b.as_convex()) {
+        (Some(a), Some(b)) => convex::overlap(a, b, accuracy, work),
+        _ => todo!(),
+    }
 }
 
 /// Contacts of all pairs of convex pieces whose gap is not proved to be above `max_gap` metres, in order of pieces.
@@ -140,13 +156,16 @@ pub fn overlap(_a: Placed<'_>, _b: Placed<'_>, _accuracy: &Accuracy, _work: &mut
 /// # Errors
 /// [`NeedsDecomposition`] if both are meshes.
 pub fn penetration(
-    _a: Placed<'_>,
-    _b: Placed<'_>,
-    _max_gap: f64,
-    _accuracy: &Accuracy,
-    _work: &mut Work,
+    a: Placed<'_>,
+    b: Placed<'_>,
+    max_gap: f64,
+    accuracy: &Accuracy,
+    work: &mut Work,
 ) -> Result<Vec<Contact>, NeedsDecomposition> {
-    todo!()
+    match (a.as_convex(), b.as_convex()) {
+        (Some(a), Some(b)) => Ok(convex::penetration(a, b, max_gap, accuracy, work).into_iter().collect()),
+        _ => todo!(),
+    }
 }
 
 /// Where a ray meets a geometry first. `None` is a proof that it does not within its reach.
@@ -169,15 +188,20 @@ pub struct RayTouches {
 /// without turning. `None` is a proof that the way is free. With `ignore_initial`, what touches at the start is passed
 /// over until it is clear.
 pub fn linear_impact(
-    _a: Placed<'_>,
-    _displacement_a: DVec3,
-    _b: Placed<'_>,
-    _displacement_b: DVec3,
-    _ignore_initial: bool,
-    _accuracy: &Accuracy,
-    _work: &mut Work,
+    a: Placed<'_>,
+    displacement_a: DVec3,
+    b: Placed<'_>,
+    displacement_b: DVec3,
+    ignore_initial: bool,
+    accuracy: &Accuracy,
+    work: &mut Work,
 ) -> Option<ImpactTouch> {
-    todo!()
+    match (a.as_convex(), b.as_convex()) {
+        (Some(a), Some(b)) => {
+            convex::linear_impact(a, displacement_a, b, displacement_b, ignore_initial, accuracy, work)
+        }
+        _ => todo!(),
+    }
 }
 
 /// The question needs convex parts, which a mesh does not have yet.

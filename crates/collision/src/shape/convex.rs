@@ -35,3 +35,25 @@ pub enum Core {
     /// A triangle of a mesh, by its corners.
     Triangle([DVec3; 3]),
 }
+
+impl Core {
+    /// Largest distance of one of its points from the local origin, metres, to within a few roundings.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        match self {
+            Self::Point => 0.0,
+            Self::Segment { half_height } => *half_height,
+            Self::Cuboid { half_extents } => half_extents.length(),
+            Self::Hull(hull) => farthest(hull.vertices()),
+            Self::Triangle(corners) => farthest(corners),
+        }
+    }
+}
+
+fn farthest(points: &[DVec3]) -> f64 {
+    points
+        .iter()
+        .map(|point| point.length_squared())
+        .fold(0.0, f64::max)
+        .sqrt()
+}

@@ -1,0 +1,284 @@
+//! The depth of two cores that overlap, by separating axes.
+//!
+//! # Method
+//! The Minkowski difference of two polytopes is bounded by faces of either and by edge pairs, so its least depth lies
+//! along one of their normals. Edge pairs are first tested on the Gauss map: only pairs whose arcs cross make a face. The
+//! test keeps what rounding leaves in doubt; a candidate that would win is measured by the support functions of both
+//! cores, so a doubtful one can never make the depth too small. Flat and straight cores have no Gauss map worth the name:
+//! all their edge pairs are measured in full. Each edge axis is normalised before anything is projected on it; only an
+//! exactly zero product is passed over.
+//!
+//! # Source
+//! Gottschalk, Lin, Manocha, "OBBTree" (1996), section 5; Gregorius, "The separating axis test between convex
+//! polyhedra" (GDC 2013): Gauss map.
+//!
+//! # Limits
+//! Beyond [`PAIRS_MAX`] edge pairs only face axes are measured and the lower bound is open.
+
+use glam::DVec3;
+
+use super::{
+    frame::{Body, Corner, Pair},
+    gjk,
+};
+use crate::{
+    answer::Stop,
+    shape::{Core, Hull, Span},
+    tolerance::{AXIS_LEAN, PAIR_ROUNDING, ROUNDING},
+};
+
+/// Most edge pairs that are tested: about a fifth of a second.
+const PAIRS_MAX: usize = 1 << 24;
+
+/// The depth of two cores in the pair's frame: negative if an axis parts them.
+pub(super) struct Depth {
+    /// The depth is not below this.
+    pub(super) lower: f64,
+    /// The depth is not above this: the width along `normal`.
+    pub(super) upper: f64,
+    /// Unit vector from `b` to `a`.
+    pub(super) normal: DVec3,
+    /// The edges whose product the normal is, if it is one.
+    pub(super) edges: Option<[[Corner; 2]; 2]>,
+    /// Axes measured.
+    pub(super) iterations: u32,
+    pub(super) stop: Stop,
+}
+
+/// An edge in the pair's frame.
+struct Edge {
+    ends: [Corner; 2],
+    along: DVec3,
+    /// Outward normals of the faces at its sides.
+    sides: [DVec3; 2],
+}
+
+/// The faces and edges of a core in the pair's frame.
+struct Outline {
+    normals: Vec<DVec3>,
+    edges: Vec<Edge>,
+    is_solid: bool,
+}
+
+/// Measures the depth of two cores along all axes that can be the least.
+pub(super) fn depth(pair: &Pair<'_>) -> Depth {
+    let (a, b) = (outline(&pair.a), outline(&pair.b));
+    let mut best = Best {
+        pair,
+        separation: f64::NEG_INFINITY,
+        highest: f64::NEG_INFINITY,
+        normal: DVec3::X,
+        edges: None,
+        tested: 0,
+    };
+    for &normal in &a.normals {
+        best.try_axis(-normal);
+    }
+    for &normal in &b.normals {
+        best.try_axis(normal);
+    }
+    let is_bounded = a.edges.len().saturating_mul(b.edges.len()) <= PAIRS_MAX;
+    if is_bounded && a.is_solid && b.is_solid {
+        crossing_edges(&mut best, &a, &b);
+    } else if is_bounded {
+        all_edges(&mut best, &a, &b);
+    }
+    if best.tested == 0 {
+        best.try_axis(perpendicular(a.edges.first().or(b.edges.first())));
+    }
+    let lower = if is_bounded {
+        -best.highest - AXIS_LEAN
+    } else {
+        f64::NEG_INFINITY
+    };
+    Depth {
+        lower,
+        upper: -best.separation + PAIR_ROUNDING,
+        normal: best.normal,
+        edges: best.edges,
+        iterations: best.tested,
+        stop: if is_bounded { Stop::Converged } else { Stop::Budget },
+    }
+}
+
+/// The axis of greatest separation so far. A face is kept unless an edge pair is better by more than rounding.
+struct Best<'a> {
+    pair: &'a Pair<'a>,
+    separation: f64,
+    highest: f64,
+    normal: DVec3,
+    edges: Option<[[Corner; 2]; 2]>,
+    tested: u32,
+}
+
+impl Best<'_> {
+    fn separation_along(&mut self, normal: DVec3) -> f64 {
+        self.tested += 1;
+        let separation = normal.dot(gjk::support(self.pair, normal).point);
+        self.highest = self.highest.max(separation);
+        separation
+    }
+
+    fn try_axis(&mut self, normal: DVec3) {
+        let separation = self.separation_along(normal);
+        if separation > self.separation {
+            (self.separation, self.normal, self.edges) = (separation, normal, None);
+        }
+    }
+
+    fn try_edges(&mut self, normal: DVec3, on_a: &Edge, on_b: &Edge) {
+        let separation = self.separation_along(normal);
+        if separation > self.separation + PAIR_ROUNDING {
+            (self.separation, self.normal) = (separation, normal);
+            self.edges = Some([on_a.ends, on_b.ends]);
+        }
+    }
+}
+
+/// Edge pairs of two solid cores whose arcs cross on the Gauss map.
+fn crossing_edges(best: &mut Best<'_>, a: &Outline, b: &Outline) {
+    let middle = best.pair.b.center();
+    for on_b in &b.edges {
+        for on_a in &a.edges {
+            if !arcs_may_cross(on_a, on_b) {
+                continue;
+            }
+            let Some(axis) = on_a.along.cross(on_b.along).try_normalize() else {
+                continue;
+            };
+            let outward = axis.dot(on_b.ends[0].point - middle);
+            let normal = if outward < 0.0 { -axis } else { axis };
+            let quick = normal.dot(on_a.ends[0].point - on_b.ends[0].point);
+            if quick > best.highest - PAIR_ROUNDING {
+                best.try_edges(normal, on_a, on_b);
+            }
+        }
+    }
+}
+
+/// Whether the arc of one edge's normals may cross the (mirrored) arc of the other's; doubt counts as yes.
+fn arcs_may_cross(on_a: &Edge, on_b: &Edge) -> bool {
+    const DOUBT: f64 = 16.0 * ROUNDING;
+    let is_split = |[p, q]: [DVec3; 2], pole: DVec3| {
+        let (p, q) = (p.dot(pole), q.dot(pole));
+        !(p > DOUBT && q > DOUBT || p < -DOUBT && q < -DOUBT)
+    };
+    is_split(on_b.sides, on_a.along) && is_split(on_a.sides, on_b.along)
+}
+
+/// All edge pairs in both directions, each measured in full.
+fn all_edges(best: &mut Best<'_>, a: &Outline, b: &Outline) {
+    for on_b in &b.edges {
+        for on_a in &a.edges {
+            if let Some(axis) = on_a.along.cross(on_b.along).try_normalize() {
+                best.try_edges(axis, on_a, on_b);
+                best.try_edges(-axis, on_a, on_b);
+            }
+        }
+    }
+}
+
+/// Any direction across an edge; x where there is none.
+fn perpendicular(edge: Option<&Edge>) -> DVec3 {
+    edge.map_or(DVec3::X, |edge| edge.along.any_orthonormal_vector())
+}
+
+fn outline(body: &Body<'_>) -> Outline {
+    match body.core {
+        Core::Point => Outline {
+            normals: Vec::new(),
+            edges: Vec::new(),
+            is_solid: false,
+        },
+        Core::Segment { .. } => {
+            let edge = edge(body, [0, 1], body.turn(DVec3::Y), [DVec3::ZERO; 2]);
+            Outline {
+                normals: Vec::new(),
+                edges: vec![edge],
+                is_solid: false,
+            }
+        }
+        Core::Cuboid { half_extents } => cuboid(body, half_extents.min_element() > 0.0),
+        Core::Hull(hull) => hull_outline(body, hull),
+        Core::Triangle(corners) => triangle(body, corners),
+    }
+}
+
+fn edge(body: &Body<'_>, [start, end]: [u32; 2], along: DVec3, sides: [DVec3; 2]) -> Edge {
+    Edge {
+        ends: [body.corner(start), body.corner(end)],
+        along,
+        sides,
+    }
+}
+
+fn cuboid(body: &Body<'_>, is_solid: bool) -> Outline {
+    let axes = [body.turn(DVec3::X), body.turn(DVec3::Y), body.turn(DVec3::Z)];
+    let mut edges = Vec::with_capacity(12);
+    for axis in 0..3 {
+        let (second, third) = ((axis + 1) % 3, (axis + 2) % 3);
+        for corner in 0..4u32 {
+            let (high_second, high_third) = (corner & 1, corner >> 1);
+            let start = high_second << second | high_third << third;
+            let side = |high: u32, axis: usize| if high == 1 { axes[axis] } else { -axes[axis] };
+            let sides = [side(high_second, second), side(high_third, third)];
+            edges.push(edge(body, [start, start | 1 << axis], axes[axis], sides));
+        }
+    }
+    Outline {
+        normals: axes.iter().flat_map(|&axis| [-axis, axis]).collect(),
+        edges,
+        is_solid,
+    }
+}
+
+fn hull_outline(body: &Body<'_>, hull: &Hull) -> Outline {
+    let topology = hull.topology();
+    let side = |face: u32| {
+        topology
+            .faces
+            .get(face as usize)
+            .map_or(DVec3::ZERO, |face| body.turn(face.normal))
+    };
+    let vertices = hull.vertices();
+    let edges = topology.edges.iter().filter_map(|e| {
+        let along = unit(vertices[e.end as usize] - vertices[e.start as usize])?;
+        Some(edge(
+            body,
+            [e.start, e.end],
+            body.turn(along),
+            [side(e.left), side(e.right)],
+        ))
+    });
+    Outline {
+        edges: edges.collect(),
+        normals: topology.faces.iter().map(|face| body.turn(face.normal)).collect(),
+        is_solid: topology.span == Span::Solid,
+    }
+}
+
+fn triangle(body: &Body<'_>, corners: &[DVec3; 3]) -> Outline {
+    let [a, b, c] = *corners;
+    let normal = unit(crate::math::exact::cross(b - a, c - a)).map(|normal| body.turn(normal));
+    let sides = [[0, 1], [1, 2], [2, 0]];
+    let edges = sides.into_iter().filter_map(|[i, j]| {
+        let along = unit(corners[j] - corners[i])?;
+        Some(edge(
+            body,
+            [i, j].map(|corner| corner as u32),
+            body.turn(along),
+            [DVec3::ZERO; 2],
+        ))
+    });
+    Outline {
+        edges: edges.collect(),
+        normals: normal.into_iter().flat_map(|n| [n, -n]).collect(),
+        is_solid: false,
+    }
+}
+
+/// A unit vector of any vector but 0, however short.
+fn unit(v: DVec3) -> Option<DVec3> {
+    let largest = v.abs().max_element();
+    (largest > 0.0).then(|| (v / largest).normalize())
+}

@@ -1,0 +1,306 @@
+//! The points of a contact.
+//!
+//! # Method
+//! Where a face of one core lies flat across the normal, the other core's facing feature (a face, an edge, a corner) is
+//! clipped by the side planes of that face and projected onto it; two edges side by side are clipped by each other's
+//! ends. Of more than four points those stay that span the touch best. Anything else touches in one point.
+//!
+//! # Source
+//! Clipping: Sutherland, Hodgman (1974). Choice of four: deepest, farthest from it, largest triangle, largest addition.
+
+use glam::DVec3;
+
+use super::{
+    contact::Touch,
+    frame::{Body, Corner, Pair},
+};
+use crate::{shape::Core, tolerance::FLAT_CONTACT_SINE};
+
+/// A pair of points, on the surfaces of the rounded forms, in the pair's frame.
+pub(super) struct Point {
+    pub(super) on_a: DVec3,
+    pub(super) on_b: DVec3,
+    pub(super) feature_pair: u32,
+}
+
+/// A corner of the clipped feature and the corner (or the side it was cut by) that names it.
+#[derive(Clone, Copy)]
+struct Clipped {
+    point: DVec3,
+    name: u16,
+}
+
+/// A core's face, edge or corner that looks along a direction.
+struct Facing {
+    corners: Vec<Corner>,
+    /// Whether the corners lie flat across the direction.
+    is_flat: bool,
+}
+
+/// The points where two forms touch, deepest first; at least one, at most four.
+pub(super) fn points(pair: &Pair<'_>, touch: &Touch) -> Vec<Point> {
+    let facing_a = facing(&pair.a, -touch.normal);
+    let facing_b = facing(&pair.b, touch.normal);
+    let kept = if facing_a.is_reference_for(&facing_b) {
+        clip(&facing_a, &facing_b, touch.normal, Side::A)
+    } else if facing_b.is_reference_for(&facing_a) {
+        clip(&facing_b, &facing_a, touch.normal, Side::B)
+    } else {
+        Vec::new()
+    };
+    let kept = if kept.is_empty() {
+        vec![single(touch, &facing_a, &facing_b)]
+    } else {
+        four(kept, touch.normal)
+    };
+    let grown = kept.into_iter().map(|point| Point {
+        on_a: point.on_a - touch.normal * pair.a.radius,
+        on_b: point.on_b + touch.normal * pair.b.radius,
+        ..point
+    });
+    grown.collect()
+}
+
+/// Which form the reference feature belongs to.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    A,
+    B,
+}
+
+impl Facing {
+    /// A flat face can be clipped against; a flat edge only by another flat edge beside it.
+    fn is_reference_for(&self, other: &Self) -> bool {
+        if !self.is_flat || self.corners.len() < 2 {
+            return false;
+        }
+        self.corners.len() > 2 || {
+            let [p, q] = [self, other].map(|facing| {
+                let ends = &facing.corners;
+                (ends[ends.len() - 1].point - ends[0].point).normalize_or_zero()
+            });
+            other.corners.len() == 2 && other.is_flat && p.cross(q).length() <= FLAT_CONTACT_SINE
+        }
+    }
+}
+
+/// The part of `incident` that lies over `reference`, paired with its projection.
+fn clip(reference: &Facing, incident: &Facing, normal: DVec3, side: Side) -> Vec<Point> {
+    let mut polygon: Vec<Clipped> = incident
+        .corners
+        .iter()
+        .map(|corner| Clipped {
+            point: corner.point,
+            name: short(corner.index),
+        })
+        .collect();
+    let corners = &reference.corners;
+    let middle = corners.iter().map(|corner| corner.point).sum::<DVec3>() / corners.len() as f64;
+    for (i, corner) in corners.iter().enumerate() {
+        let along = corners[(i + 1) % corners.len()].point - corner.point;
+        let outward = if corners.len() == 2 {
+            -along
+        } else {
+            along.cross(normal)
+        };
+        let outward = if outward.dot(middle - corner.point) > 0.0 {
+            -outward
+        } else {
+            outward
+        };
+        polygon = cut(&polygon, corner.point, outward, short(corner.index));
+    }
+    let base = corners[0].point;
+    let reference_name = corners.iter().map(|corner| short(corner.index)).min().unwrap_or(0);
+    let pairs = polygon.into_iter().map(|clipped| {
+        let foot = if corners.len() == 2 {
+            let along = (corners[1].point - base).normalize_or_zero();
+            base + along * along.dot(clipped.point - base)
+        } else {
+            clipped.point - normal * normal.dot(clipped.point - base)
+        };
+        let (on_a, on_b, high, low) = match side {
+            Side::A => (foot, clipped.point, reference_name, clipped.name),
+            Side::B => (clipped.point, foot, clipped.name, reference_name),
+        };
+        Point {
+            on_a,
+            on_b,
+            feature_pair: u32::from(high) << 16 | u32::from(low),
+        }
+    });
+    pairs.collect()
+}
+
+/// Keeps what lies behind the plane through `base` with normal `outward`.
+fn cut(polygon: &[Clipped], base: DVec3, outward: DVec3, name: u16) -> Vec<Clipped> {
+    let height = |clipped: &Clipped| outward.dot(clipped.point - base);
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (i, current) in polygon.iter().enumerate() {
+        let next = &polygon[(i + 1) % polygon.len()];
+        let (here, there) = (height(current), height(next));
+        if here <= 0.0 {
+            kept.push(*current);
+        }
+        // A segment is walked once: its way back would give the same crossing again.
+        let is_way_back = polygon.len() == 2 && i == 1;
+        if (here < 0.0 && there > 0.0 || here > 0.0 && there < 0.0) && !is_way_back {
+            let point = current.point + (next.point - current.point) * (here / (here - there));
+            kept.push(Clipped {
+                point,
+                name: 0x8000 | name << 5 | current.name & 0x1F,
+            });
+        }
+    }
+    kept
+}
+
+/// At most four points that span the touch best, deepest first.
+fn four(mut candidates: Vec<Point>, normal: DVec3) -> Vec<Point> {
+    let depth = |point: &Point| (point.on_b - point.on_a).dot(normal);
+    let mut chosen: Vec<Point> = Vec::with_capacity(4);
+    while chosen.len() < 4 && !candidates.is_empty() {
+        let gain = |point: &Point| match chosen.as_slice() {
+            [] => depth(point),
+            [p] => p.on_a.distance_squared(point.on_a),
+            [p, q] => (q.on_a - p.on_a).cross(point.on_a - p.on_a).length_squared(),
+            [p, q, r, ..] => [(p, q), (q, r), (r, p)]
+                .map(|(u, v)| -area_sign(p, q, r, normal) * (v.on_a - u.on_a).cross(point.on_a - u.on_a).dot(normal))
+                .into_iter()
+                .fold(0.0, f64::max),
+        };
+        let mut best = (0, f64::NEG_INFINITY);
+        for (index, candidate) in candidates.iter().enumerate() {
+            let value = gain(candidate);
+            if value > best.1 {
+                best = (index, value);
+            }
+        }
+        if !chosen.is_empty() && best.1 <= 0.0 {
+            break;
+        }
+        chosen.push(candidates.remove(best.0));
+    }
+    chosen
+}
+
+fn area_sign(p: &Point, q: &Point, r: &Point, normal: DVec3) -> f64 {
+    (q.on_a - p.on_a).cross(r.on_a - p.on_a).dot(normal).signum()
+}
+
+/// The one point of a touch that is no flat one.
+fn single(touch: &Touch, facing_a: &Facing, facing_b: &Facing) -> Point {
+    let feature_pair = u32::from(short(facing_a.corners[0].index)) << 16 | u32::from(short(facing_b.corners[0].index));
+    let (on_a, on_b) = match (touch.witnesses, touch.edges) {
+        (Some(witnesses), _) => witnesses,
+        (None, Some([on_a, on_b])) => nearest_of_lines(on_a, on_b),
+        (None, None) if facing_b.corners.len() > 1 => {
+            let corner = facing_a.corners[0].point;
+            (
+                corner,
+                corner - touch.normal * touch.normal.dot(corner - facing_b.corners[0].point),
+            )
+        }
+        (None, None) => {
+            let corner = facing_b.corners[0].point;
+            (
+                corner - touch.normal * touch.normal.dot(corner - facing_a.corners[0].point),
+                corner,
+            )
+        }
+    };
+    Point {
+        on_a,
+        on_b,
+        feature_pair,
+    }
+}
+
+/// The nearest points of the lines through two edges that are not parallel.
+fn nearest_of_lines([p, q]: [Corner; 2], [r, s]: [Corner; 2]) -> (DVec3, DVec3) {
+    let (u, v, w) = (q.point - p.point, s.point - r.point, p.point - r.point);
+    let across = u.cross(v);
+    let area = across.length_squared();
+    let on_first = (v.cross(w).dot(across) / area).clamp(0.0, 1.0);
+    let on_second = (u.cross(w).dot(across) / area).clamp(0.0, 1.0);
+    (p.point + u * on_first, r.point + v * on_second)
+}
+
+/// Names of corners are cut to 16 bits each; they name a pair within one contact, not in the world.
+fn short(index: u32) -> u16 {
+    (index & 0x7FFF) as u16
+}
+
+/// The face, edge or corner of a core that looks along `direction`.
+fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
+    let corner = body.support(direction);
+    match body.core {
+        Core::Point => Facing {
+            corners: vec![corner],
+            is_flat: false,
+        },
+        Core::Segment { .. } => {
+            let is_flat = body.turn(DVec3::Y).dot(direction).abs() <= FLAT_CONTACT_SINE;
+            let corners = if is_flat {
+                vec![body.corner(0), body.corner(1)]
+            } else {
+                vec![corner]
+            };
+            Facing { corners, is_flat }
+        }
+        Core::Cuboid { .. } => cuboid_face(body, direction),
+        Core::Hull(_) => hull_face(body, direction).unwrap_or(Facing {
+            corners: vec![corner],
+            is_flat: false,
+        }),
+        Core::Triangle(_) => {
+            let corners: Vec<Corner> = (0..3).map(|index| body.corner(index)).collect();
+            let [a, b, c] = [0, 1, 2].map(|i: usize| corners[i].point);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            Facing {
+                is_flat: normal.cross(direction).length() <= FLAT_CONTACT_SINE,
+                corners,
+            }
+        }
+    }
+}
+
+fn cuboid_face(body: &Body<'_>, direction: DVec3) -> Facing {
+    let local = body.rotation.transpose() * direction;
+    let size = local.abs();
+    let axis = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
+    let high = u32::from(local[axis] > 0.0) << axis;
+    let (second, third) = (1u32 << ((axis + 1) % 3), 1u32 << ((axis + 2) % 3));
+    let corners = [0, second, second | third, third]
+        .map(|rest| body.corner(high | rest))
+        .to_vec();
+    let mut lean = local;
+    lean[axis] = 0.0;
+    Facing {
+        corners,
+        is_flat: lean.length() <= FLAT_CONTACT_SINE,
+    }
+}
+
+fn hull_face(body: &Body<'_>, direction: DVec3) -> Option<Facing> {
+    let faces = &body.hull()?.topology().faces;
+    let local = body.rotation.transpose() * direction;
+    let best = faces.iter().reduce(|best, face| {
+        if face.normal.dot(local) > best.normal.dot(local) {
+            face
+        } else {
+            best
+        }
+    })?;
+    let corners = best.vertices.iter().map(|&vertex| body.corner(vertex)).collect();
+    Some(Facing {
+        corners,
+        is_flat: best.normal.cross(local).length() <= FLAT_CONTACT_SINE,
+    })
+}

@@ -1,0 +1,33 @@
+//! One question to one pair of convex forms.
+//!
+//! # Method
+//! Each form is a core (a polytope) and a radius. The cores are taken into the pair's own frame ([`frame`]); GJK
+//! ([`gjk`]) measures their gap; only where the cores themselves overlap do separating axes ([`axes`]) measure the
+//! depth. Radii stay outside of both, so round forms are as exact as polytopes.
+//!
+//! Arguments are put in a fixed order first (kind, content, pose), so that swapping them swaps the answer bit by bit.
+
+mod axes;
+mod contact;
+mod frame;
+mod gjk;
+mod impact;
+mod manifold;
+mod order;
+mod separation;
+mod simplex;
+
+use crate::{math::Pose, shape::Convex};
+
+pub(crate) use contact::penetration;
+pub(crate) use impact::linear_impact;
+pub(crate) use separation::{distance, overlap};
+
+/// A convex form at a pose.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedConvex<'a> {
+    /// The form.
+    pub(crate) convex: &'a Convex,
+    /// Where it is.
+    pub(crate) pose: Pose,
+}

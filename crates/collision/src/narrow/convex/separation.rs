@@ -1,0 +1,190 @@
+//! Distance and overlap of two convex forms.
+
+use glam::DVec3;
+
+use super::{
+    PlacedConvex, axes,
+    frame::Pair,
+    gjk::{self, Gap},
+    order,
+};
+use crate::{
+    accuracy::Accuracy,
+    answer::{Certificate, Feature, Method, Stop, Verdict, Work},
+    narrow::Separation,
+};
+
+/// How far apart two convex forms are; `None` if that is proved to be beyond `limit` metres.
+pub(crate) fn distance(
+    a: PlacedConvex<'_>,
+    b: PlacedConvex<'_>,
+    limit: f64,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Option<Separation> {
+    if order::is_swapped(a, b) {
+        return distance_in_order(b, a, limit, accuracy, work).map(Separation::swapped);
+    }
+    distance_in_order(a, b, limit, accuracy, work)
+}
+
+/// Whether two convex forms touch; the bound is that of the signed distance.
+pub(crate) fn overlap(a: PlacedConvex<'_>, b: PlacedConvex<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
+    let (a, b) = if order::is_swapped(a, b) { (b, a) } else { (a, b) };
+    let pair = Pair::new(a, b, 0.0);
+    let radius = pair.radius();
+    let gap = gjk::gap(&pair, accuracy.budget, |lower, upper| lower > radius || upper <= radius);
+    let signed = signed_gap(&pair, &gap);
+    work.pairs_tested += 1;
+    work.iterations += u64::from(signed.iterations);
+    Certificate {
+        verdict: signed.verdict(),
+        bound: pair.bound_out(signed.lower, signed.upper),
+        method: signed.method,
+        stop: if signed.verdict() == Verdict::Undecided {
+            signed.stop
+        } else {
+            Stop::Tolerance
+        },
+        iterations: signed.iterations,
+    }
+}
+
+/// Bounds of the signed distance of two rounded cores, in the pair's frame.
+pub(super) struct Signed {
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    method: Method,
+    stop: Stop,
+    iterations: u32,
+}
+
+impl Signed {
+    /// What the bounds prove; exact touch counts as a hit.
+    pub(super) fn verdict(&self) -> Verdict {
+        if self.upper <= 0.0 {
+            Verdict::Hit
+        } else if self.lower > 0.0 {
+            Verdict::Miss
+        } else {
+            Verdict::Undecided
+        }
+    }
+}
+
+/// The signed distance from the gap of the cores, and from separating axes where the gap leaves the verdict open.
+pub(super) fn signed_gap(pair: &Pair<'_>, gap: &Gap) -> Signed {
+    let radius = pair.radius();
+    let is_inside = gap.inside > crate::tolerance::PAIR_ROUNDING;
+    let by_gap = Signed {
+        lower: if gap.lower > 0.0 {
+            gap.lower - radius
+        } else {
+            f64::NEG_INFINITY
+        },
+        upper: if is_inside {
+            crate::tolerance::PAIR_ROUNDING - gap.inside - radius
+        } else {
+            gap.upper - radius
+        },
+        method: Method::Gjk,
+        stop: gap.stop,
+        iterations: gap.iterations,
+    };
+    if by_gap.verdict() != Verdict::Undecided || gap.stop == Stop::Budget || gap.lower > 0.0 && radius > 0.0 {
+        return by_gap;
+    }
+    let depth = axes::depth(pair);
+    Signed {
+        lower: by_gap.lower.max(-depth.upper - radius),
+        upper: by_gap.upper.min(-depth.lower - radius),
+        method: Method::SeparatingAxes,
+        stop: depth.stop,
+        iterations: gap.iterations.saturating_add(depth.iterations),
+    }
+}
+
+fn distance_in_order(
+    a: PlacedConvex<'_>,
+    b: PlacedConvex<'_>,
+    limit: f64,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Option<Separation> {
+    let pair = Pair::new(a, b, 0.0);
+    let radius = pair.radius();
+    let limit_in = pair.length_in(limit);
+    let widest = pair.length_in(accuracy.max_error);
+    let gap = gjk::gap(&pair, accuracy.budget, |lower, upper| {
+        let width = upper.max(radius) - lower.max(radius);
+        lower - radius > limit_in || width <= widest || width <= accuracy.max_error_relative * (lower - radius)
+    });
+    let signed = signed_gap(&pair, &gap);
+    work.pairs_tested += 1;
+    work.iterations += u64::from(signed.iterations);
+    let (lower, upper) = (signed.lower.max(0.0), signed.upper.max(0.0));
+    if lower > limit_in {
+        return None;
+    }
+    let verdict = if upper <= limit_in {
+        Verdict::Hit
+    } else {
+        Verdict::Undecided
+    };
+    let (on_a, on_b) = gap.witnesses;
+    let apart = on_a - on_b;
+    let best = if upper == 0.0 {
+        0.0
+    } else {
+        (apart.length() - radius).clamp(lower, upper)
+    };
+    let normal = if gap.normal == DVec3::ZERO {
+        apart.try_normalize()
+    } else {
+        Some(gap.normal)
+    };
+    let (point_on_a, point_on_b) = match normal {
+        Some(normal) if best > 0.0 => (on_a - normal * pair.a.radius, on_b + normal * pair.b.radius),
+        _ => {
+            let common = common_point(on_a, on_b, pair.a.radius, pair.b.radius);
+            (common, common)
+        }
+    };
+    Some(Separation {
+        distance: pair.length_out(best),
+        point_on_a: pair.point_out(point_on_a),
+        point_on_b: pair.point_out(point_on_b),
+        normal_b_to_a: normal.filter(|_| best > 0.0).map(|normal| pair.direction_out(normal)),
+        feature_a: Feature::default(),
+        feature_b: Feature::default(),
+        certificate: Certificate {
+            verdict,
+            bound: pair.bound_out(lower, upper),
+            method: signed.method,
+            stop: gap.stop,
+            iterations: signed.iterations,
+        },
+    })
+}
+
+/// A point within both radii of the nearest points of two cores that overlap when rounded.
+fn common_point(on_a: DVec3, on_b: DVec3, radius_a: f64, radius_b: f64) -> DVec3 {
+    let apart = on_b - on_a;
+    let length = apart.length();
+    let along = ((length + radius_a - radius_b) / 2.0).clamp(0.0, length);
+    on_a + apart.normalize_or_zero() * along
+}
+
+impl Separation {
+    /// The same answer with the arguments swapped.
+    fn swapped(self) -> Self {
+        Self {
+            point_on_a: self.point_on_b,
+            point_on_b: self.point_on_a,
+            normal_b_to_a: self.normal_b_to_a.map(|normal| DVec3::ZERO - normal),
+            feature_a: self.feature_b,
+            feature_b: self.feature_a,
+            ..self
+        }
+    }
+}
