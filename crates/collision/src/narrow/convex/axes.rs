@@ -32,9 +32,11 @@ const PAIRS_MAX: usize = 1 << 24;
 
 /// The depth of two cores in the pair's frame: negative if an axis parts them.
 pub(super) struct Depth {
+    /// The best value: the width along `normal`.
+    pub(super) best: f64,
     /// The depth is not below this.
     pub(super) lower: f64,
-    /// The depth is not above this: the width along `normal`.
+    /// The depth is not above this: the width along `normal`, rounding included.
     pub(super) upper: f64,
     /// Unit vector from `b` to `a`.
     pub(super) normal: DVec3,
@@ -92,6 +94,7 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
         f64::NEG_INFINITY
     };
     Depth {
+        best: -best.separation,
         lower,
         upper: -best.separation + PAIR_ROUNDING,
         normal: best.normal,

@@ -34,6 +34,7 @@ pub(crate) fn penetration(
 
 /// The depth of two rounded cores in the pair's frame, and how they touch.
 pub(super) struct Touch {
+    pub(super) best: f64,
     pub(super) lower: f64,
     pub(super) upper: f64,
     /// Unit vector from `b` to `a`.
@@ -74,7 +75,7 @@ fn penetration_in_order(
     });
     Some(Contact {
         normal_b_to_a: pair.direction_out(touch.normal),
-        depth: pair.length_out((touch.lower / 2.0 + touch.upper / 2.0).clamp(touch.lower, touch.upper)),
+        depth: pair.length_out(touch.best),
         points: points.collect(),
         feature_a: Feature::default(),
         feature_b: Feature::default(),
@@ -97,6 +98,7 @@ fn touch(pair: &Pair<'_>, budget: u32, max_gap: f64) -> Option<Touch> {
     }
     if gap.lower > 0.0 {
         return Some(Touch {
+            best: (radius - gap.length).clamp(radius - gap.upper, radius - gap.lower),
             lower: radius - gap.upper,
             upper: radius - gap.lower,
             normal: gap.normal,
@@ -114,6 +116,7 @@ fn touch(pair: &Pair<'_>, budget: u32, max_gap: f64) -> Option<Touch> {
     // The cores are no farther apart than GJK found, so the depth is no less than that leaves.
     let lower = (depth.lower + radius).max(radius - gap.upper).min(depth.upper + radius);
     Some(Touch {
+        best: (depth.best + radius).clamp(lower, depth.upper + radius),
         lower,
         upper: depth.upper + radius,
         normal: depth.normal,

@@ -17,12 +17,18 @@ use super::{
 };
 use crate::{answer::Stop, tolerance::PAIR_ROUNDING};
 
+/// Most vertices that join the features of a nearest point once it has settled. One or two do for faces that meet at an
+/// edge; the rest is for slivers.
+const POLISH_ROUNDS: u32 = 6;
+
 /// What is known of the gap between two cores, in the pair's frame.
 pub(super) struct Gap {
     /// The gap is not below this; 0 where nothing better is proved.
     pub(super) lower: f64,
     /// The gap is not above this.
     pub(super) upper: f64,
+    /// The best value.
+    pub(super) length: f64,
     /// Unit vector from `b` to `a` across which `lower` was proved; 0 where nothing was.
     pub(super) normal: DVec3,
     /// Where the cores are nearest: on `a` and on `b`.
@@ -56,9 +62,8 @@ pub(super) fn gap(pair: &Pair<'_>, budget: u32, is_enough: impl Fn(f64, f64) -> 
         }
         let is_closed = length - search.lower <= 2.0 * PAIR_ROUNDING;
         if is_closed || !search.advance(vertex, length) {
-            let normal = search.feature_normal(nearest / length);
-            let refined = search.raise_lower(normal);
-            if !search.advance(refined, length) {
+            let refined = search.polish(nearest / length, length);
+            if refined.is_none_or(|vertex| !search.advance(vertex, length)) {
                 return search.end(Stop::Converged);
             }
         }
@@ -107,33 +112,41 @@ impl Search<'_> {
         is_nearer
     }
 
-    /// The normal of the features that support the simplex, on the side of `toward`.
-    fn feature_normal(&self, toward: DVec3) -> DVec3 {
-        let across = match self.simplex.vertices() {
-            [a, b] => {
-                let along = (b.point - a.point).normalize();
-                let once = toward - along * along.dot(toward);
-                once - along * along.dot(once)
+    /// Raises the lower bound by normals of the features that support the nearest point. Where that point lies within
+    /// rounding of an edge between faces, no vertex brings it measurably nearer, though the plane may still lean by the
+    /// square root of that: so support vertices beyond the plane join the features until there are none. Returns the
+    /// first such vertex.
+    fn polish(&mut self, toward: DVec3, length: f64) -> Option<Vertex> {
+        let mut features = self.simplex;
+        let mut first = None;
+        for _ in 0..POLISH_ROUNDS {
+            let vertex = self.raise_lower(feature_normal(&features, toward));
+            if features.contains(&vertex) {
+                break;
             }
-            [a, b, c] => {
-                let normal = (b.point - a.point).cross(c.point - a.point);
-                normal * normal.dot(toward).signum()
+            first = first.or(Some(vertex));
+            if length - self.lower <= 2.0 * PAIR_ROUNDING {
+                break;
             }
-            _ => toward,
-        };
-        across.try_normalize().unwrap_or(toward)
+            features = features.grown_or_swapped(vertex, |candidate| {
+                let normal = feature_normal(candidate, toward);
+                normal.dot(support(self.pair, normal).point)
+            });
+        }
+        first
     }
 
     fn end(self, stop: Stop) -> Gap {
         let inside = self.simplex.margin().unwrap_or(0.0);
-        let upper = if inside > 0.0 {
+        let length = if inside > 0.0 {
             0.0
         } else {
             self.simplex.point().length()
         };
         Gap {
             lower: self.lower,
-            upper: upper + PAIR_ROUNDING,
+            upper: length + PAIR_ROUNDING,
+            length,
             normal: self.normal,
             witnesses: self.simplex.witnesses(),
             inside,
@@ -141,4 +154,21 @@ impl Search<'_> {
             stop,
         }
     }
+}
+
+/// The normal of the features that support a point of the difference, on the side of `toward`.
+fn feature_normal(features: &Simplex, toward: DVec3) -> DVec3 {
+    let across = match features.vertices() {
+        [a, b] => {
+            let along = (b.point - a.point).normalize();
+            let once = toward - along * along.dot(toward);
+            once - along * along.dot(once)
+        }
+        [a, b, c] => {
+            let normal = (b.point - a.point).cross(c.point - a.point);
+            normal * normal.dot(toward).signum()
+        }
+        _ => toward,
+    };
+    across.try_normalize().unwrap_or(toward)
 }

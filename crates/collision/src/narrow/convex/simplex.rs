@@ -81,6 +81,26 @@ impl Simplex {
         grown.nearest()
     }
 
+    /// These vertices and `vertex`; of four those three with `vertex` whose `height` is greatest.
+    pub(super) fn grown_or_swapped(&self, vertex: Vertex, height: impl Fn(&Self) -> f64) -> Self {
+        let mut grown = *self;
+        if self.count < 3 {
+            grown.vertices[self.count] = vertex;
+            grown.count += 1;
+            return grown;
+        }
+        grown.vertices[3] = vertex;
+        let mut best = (f64::NEG_INFINITY, grown.part([0, 1, 3], [0.0; 3]));
+        for members in [[0, 1, 3], [0, 2, 3], [1, 2, 3]] {
+            let candidate = grown.part(members, [0.0; 3]);
+            let value = height(&candidate);
+            if value > best.0 {
+                best = (value, candidate);
+            }
+        }
+        best.1
+    }
+
     /// How far inside a tetrahedron the origin lies; `None` if it does not or if this is no tetrahedron.
     pub(super) fn margin(&self) -> Option<f64> {
         let [a, b, c, d] = self.four()?;
