@@ -46,15 +46,15 @@ pub const ROTATED_COORDINATE: f64 = 64.0 * ROUNDING;
 /// the distance is what `S` sums up. The difference of positions (1), the sum (1), the difference of the two sides (1), the
 /// product with a unit vector (3) and that vector's length (2) add 8. Smaller, and intervals would miss the truth;
 /// larger, and they would be wider than the arithmetic needs. Pinned by the oracle sets: no interval may miss
-/// (`tests/oracle.rs`).
+/// (the conformance runner).
 pub const PAIR_ROUNDING: f64 = 128.0 * ROUNDING;
 
 /// How far the depth along the best of the separating axes may lie above the true depth, beside the rounding of the
 /// support values: the computed axis leans by up to 4 roundings over the thickness of the feature it belongs to. Pinned by
-/// the oracle sets (`tests/oracle.rs`), near-parallel edges above all.
+/// the oracle sets (the conformance runner), near-parallel edges above all.
 pub const AXIS_LEAN: f64 = 4.0 * PAIR_ROUNDING;
 
 /// Sine of the angle within which a face counts as lying flat on the other shape, when contact points are chosen. Larger,
 /// and tilted faces get points of a touch they do not have; smaller, and the rounding of a normal splits a resting face
-/// into single points. It changes which points are shown, never a depth. Pinned by `tests/penetration.rs`.
+/// into single points. It changes which points are shown, never a depth. Pinned by `tests/convex/contact.rs`.
 pub const FLAT_CONTACT_SINE: f64 = 1.0 / 1_048_576.0;

@@ -184,9 +184,16 @@ impl<'a> Motion<'a> {
             ahead *= 4.0;
         }
         let is_inside = is_initial && proved == Some(0.0);
+        let bound = Bound::new(time, proved.unwrap_or(1.0));
+        // The free way is counted to where the gap is surely open; the best value goes the rest of it.
+        let rest = if closing > 0.0 && !is_initial {
+            (gap.length - self.pair.radius()) / closing
+        } else {
+            0.0
+        };
         Touch {
-            fraction: time,
-            bound: Bound::new(time, proved.unwrap_or(1.0)),
+            fraction: (time + rest).clamp(bound.lower, bound.upper),
+            bound,
             verdict: if proved.is_some() {
                 Verdict::Hit
             } else {

@@ -148,11 +148,21 @@ fn cut(polygon: &[Clipped], base: DVec3, outward: DVec3, name: u16) -> Vec<Clipp
             let point = current.point + (next.point - current.point) * (here / (here - there));
             kept.push(Clipped {
                 point,
-                name: 0x8000 | name << 5 | current.name & 0x1F,
+                name: crossing(current.name, next.name, name),
             });
         }
     }
     kept
+}
+
+/// Names the point where the side `cut_by` crosses the edge between two named corners: a hash, so that the same features
+/// always have the same name and others hardly ever.
+fn crossing(from: u16, to: u16, cut_by: u16) -> u16 {
+    let mut hash = 0x811C_9DC5u32;
+    for name in [from, to, cut_by] {
+        hash = (hash ^ u32::from(name)).wrapping_mul(0x0100_0193);
+    }
+    0x8000 | ((hash ^ hash >> 15) & 0x7FFF) as u16
 }
 
 /// At most four points that span the touch best, deepest first.

@@ -1,0 +1,181 @@
+//! Extremes of the convex kernels: the failures of other engines, tiny and far shapes, degenerate ones.
+
+use crate::random::{Body, Noise};
+use collision::{
+    DQuat, DVec3,
+    accuracy::{Accuracy, Tier},
+    answer::{Verdict, Work},
+    math::Pose,
+    narrow::{self, Contact},
+    shape::Geometry,
+};
+
+const EXACT: Accuracy = Accuracy::of(Tier::Exact);
+
+fn cube(half: f64, position: DVec3) -> Body {
+    Body {
+        geometry: Geometry::cuboid(DVec3::splat(half)).expect("a size"),
+        pose: Pose::at(position),
+    }
+}
+
+fn ball(radius: f64, position: DVec3) -> Body {
+    Body {
+        geometry: Geometry::sphere(radius).expect("a size"),
+        pose: Pose::at(position),
+    }
+}
+
+fn contact(a: &Body, b: &Body) -> Contact {
+    let contacts = narrow::penetration(a.placed(), b.placed(), 0.0, &EXACT, &mut Work::default());
+    contacts
+        .expect("convex forms")
+        .into_iter()
+        .next()
+        .expect("they overlap")
+}
+
+fn distance(a: &Body, b: &Body) -> f64 {
+    narrow::distance(a.placed(), b.placed(), f64::INFINITY, &EXACT, &mut Work::default())
+        .expect("no limit")
+        .distance
+}
+
+#[test]
+fn a_ball_dropped_on_a_wide_slab_lands_in_time() {
+    for half in [1e3, 5e3, 1e6] {
+        let slab = Body {
+            geometry: Geometry::cuboid(DVec3::new(half, 1.0, half)).expect("a size"),
+            pose: Pose::IDENTITY,
+        };
+        let ball = ball(0.5, DVec3::new(0.3 * half, 11.5, -0.7 * half));
+        let way = DVec3::new(0.0, -20.0, 0.0);
+        let touch = narrow::linear_impact(
+            ball.placed(),
+            way,
+            slab.placed(),
+            DVec3::ZERO,
+            false,
+            &EXACT,
+            &mut Work::default(),
+        );
+        let fraction = touch.expect("it lands").fraction;
+        assert!((fraction - 0.5).abs() * 20.0 < 1e-14 * half, "{fraction}");
+    }
+}
+
+#[test]
+fn small_cubes_keep_their_gaps_and_depths() {
+    for edge in [1e-2, 1e-3, 1e-5, 1e-7] {
+        let gap = edge / 10.0;
+        let apart = cube(edge / 2.0, DVec3::X * (edge + gap));
+        let here = cube(edge / 2.0, DVec3::ZERO);
+        assert!((distance(&here, &apart) - gap).abs() < 1e-14 * edge);
+        let within = cube(edge / 2.0, DVec3::X * (edge - gap));
+        assert!((contact(&here, &within).depth - gap).abs() < 1e-14 * edge);
+    }
+}
+
+#[test]
+fn concentric_forms_have_their_full_depth() {
+    let cubes = contact(&cube(0.5, DVec3::ZERO), &cube(0.5, DVec3::ZERO));
+    assert!((cubes.depth - 1.0).abs() < 1e-15);
+    let balls = contact(&ball(1.0, DVec3::ONE), &ball(0.5, DVec3::ONE));
+    assert!((balls.depth - 1.5).abs() < 1e-15);
+    let capsule = Body {
+        geometry: Geometry::capsule(2.0, 0.25).expect("sizes"),
+        pose: Pose::IDENTITY,
+    };
+    assert!((contact(&capsule, &capsule).depth - 0.5).abs() < 1e-15);
+    assert!((contact(&capsule, &ball(0.5, DVec3::ZERO)).depth - 0.75).abs() < 1e-15);
+}
+
+#[test]
+fn boxes_tilted_by_less_than_an_ulp_keep_their_depth() {
+    for tilt in [1e-16, 1e-12, 1e-8] {
+        let mut tilted = cube(0.5, DVec3::new(0.1, 0.76, 0.2));
+        tilted.pose.rotation = DQuat::from_xyzw(tilt, tilt / 3.0, -tilt, 1.0);
+        let depth = contact(&cube(0.5, DVec3::ZERO), &tilted).depth;
+        assert!((depth - 0.24).abs() < 4.0 * tilt + 1e-15, "{depth}");
+    }
+}
+
+#[test]
+fn a_crumb_beside_a_mountain_is_decided() {
+    let mountain = cube(1e6, DVec3::ZERO);
+    let crumb = ball(1e-3, DVec3::new(1e6 + 2e-3, 12.0, -3.0));
+    assert!((distance(&mountain, &crumb) - 1e-3).abs() < 1e-8);
+    assert_eq!(
+        narrow::overlap(mountain.placed(), crumb.placed(), &EXACT, &mut Work::default()).verdict,
+        Verdict::Miss
+    );
+}
+
+#[test]
+fn far_from_the_origin_only_the_positions_own_rounding_is_lost() {
+    let offset = DVec3::new(1e9, -1e9, 1e9);
+    let (here, there) = (cube(0.5, offset), cube(0.5, offset + DVec3::new(1.25, 0.5, 0.0)));
+    assert_eq!(distance(&here, &there), 0.25);
+}
+
+#[test]
+fn flat_straight_and_point_like_forms_answer() {
+    let plate = Body {
+        geometry: Geometry::cuboid(DVec3::new(1.0, 0.0, 1.0)).expect("a plate"),
+        pose: Pose::IDENTITY,
+    };
+    let stick = Body {
+        geometry: Geometry::capsule(1.0, 0.0).expect("a segment"),
+        pose: Pose::at(DVec3::new(0.0, 1.5, 0.0)),
+    };
+    let point = Body {
+        geometry: Geometry::point(),
+        pose: Pose::at(DVec3::new(0.0, 0.25, 0.0)),
+    };
+    assert_eq!(distance(&plate, &stick), 0.5);
+    assert_eq!(distance(&plate, &point), 0.25);
+    assert_eq!(distance(&stick, &point), 0.25);
+    let hull = |points: &[DVec3]| Body {
+        geometry: Geometry::hull(points).expect("points"),
+        pose: Pose::IDENTITY,
+    };
+    let triangle = hull(&[DVec3::ZERO, DVec3::X, DVec3::Z]);
+    assert_eq!(distance(&triangle, &stick.moved(DVec3::new(0.25, 0.0, 0.25))), 0.5);
+    let crossing = contact(&triangle, &stick.moved(DVec3::new(0.25, -1.25, 0.25)));
+    assert!(
+        crossing.depth > 0.0 && crossing.certificate.verdict == Verdict::Hit,
+        "{crossing:?}"
+    );
+}
+
+#[test]
+fn no_answer_is_ever_nan_at_any_scale() {
+    let mut noise = Noise(11);
+    for round in 0..4000 {
+        let scale = 10f64.powi(round % 13 - 6);
+        let mut body = |kind: usize| Body {
+            geometry: noise.convex(kind).scaled(scale).expect("within limits"),
+            pose: Pose::new(noise.vector() * scale, noise.rotation()),
+        };
+        let (a, b) = (body(round as usize), body(round as usize / 4));
+        let work = &mut Work::default();
+        let separation = narrow::distance(a.placed(), b.placed(), f64::INFINITY, &EXACT, work).expect("no limit");
+        assert!(separation.certificate.bound.contains(separation.distance));
+        assert!(separation.point_on_a.is_finite() && separation.point_on_b.is_finite());
+        for contact in narrow::penetration(a.placed(), b.placed(), scale, &EXACT, work).expect("convex forms") {
+            assert!(contact.certificate.bound.contains(contact.depth), "{contact:?}");
+            assert!((contact.normal_b_to_a.length() - 1.0).abs() < 1e-15);
+            assert!(
+                contact
+                    .points
+                    .iter()
+                    .all(|point| point.point_on_a.is_finite() && point.point_on_b.is_finite())
+            );
+        }
+        assert_ne!(
+            narrow::overlap(a.placed(), b.placed(), &EXACT, work).verdict,
+            Verdict::Undecided,
+            "random pairs are not within rounding of a touch"
+        );
+    }
+}

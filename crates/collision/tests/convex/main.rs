@@ -1,0 +1,6 @@
+//! The convex kernels: laws, extremes, contact points.
+
+mod contact;
+mod extremes;
+mod laws;
+mod random;
