@@ -58,3 +58,29 @@ pub const AXIS_LEAN: f64 = 4.0 * PAIR_ROUNDING;
 /// and tilted faces get points of a touch they do not have; smaller, and the rounding of a normal splits a resting face
 /// into single points. It changes which points are shown, never a depth. Pinned by `tests/convex/contact.rs`.
 pub const FLAT_CONTACT_SINE: f64 = 1.0 / 1_048_576.0;
+
+/// A ray's direction, made a unit vector, is off by less than this: two roundings in a square root's argument count half,
+/// with the root, the quotient and the scale they are under four, along the vector; √3 for three components. Larger: more
+/// rays near an edge stay undecided. Smaller: a wrong verdict there. Test: `ray_laws.rs`, turned and far rays.
+pub const RAY_DIRECTION: f64 = 8.0 * ROUNDING;
+
+/// The same in the axes of a turned target: [`ROTATED_COORDINATE`] for each of three components, √3 · 64 = 111, and 8.
+pub const RAY_TURNED_DIRECTION: f64 = 128.0 * ROUNDING;
+
+/// What turning a ray into its target's frame costs, as a part of its way from the target's position to where it may touch:
+/// 111 roundings for the origin, 119 for the direction over the whole way, and 4 for the difference of positions.
+pub const RAY_TURNED_FRAME: f64 = 256.0 * ROUNDING;
+
+/// What the kernels for rays cost, as a part of the ray's extent about the target's centre: 8 roundings for the direction, 3
+/// for the foot, 2 for the distance counted from it, at most 12 for an edge, a plane or a chord relative to it. All of
+/// these are under 32; twice that is taken, since bounds are themselves computed with rounding. Larger: more undecided
+/// rays. Smaller: wrong verdicts. Test: `ray_laws.rs` and the ray sets of the data.
+pub const RAY_KERNEL: f64 = 64.0 * ROUNDING;
+
+/// Where a triangle's plane is met only to this many times the ray's error, exact sums are used if they can be: at grazing
+/// incidence. Larger: wider intervals; smaller: more time. Never a verdict.
+pub const RAY_GRAZING: f64 = 1024.0;
+
+/// A quotient of two exact sums, each estimated to 3 roundings, times a length (4) and by another quotient and product: 12;
+/// twice that and some for sums whose parts overlap in no bit but round upwards together. As a part of the distance.
+pub const EXACT_MEETING: f64 = 32.0 * ROUNDING;

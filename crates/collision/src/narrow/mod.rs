@@ -4,10 +4,13 @@
 //! for the numbers sent, and never returns NaN. Results are symmetric: swapping the arguments swaps the answer.
 
 mod convex;
+mod ray;
 
 use glam::DVec3;
 
 use convex::PlacedConvex;
+
+pub use ray::{Ray, RayTouch, RayTouches, raycast};
 
 use crate::{
     accuracy::Accuracy,
@@ -86,38 +89,6 @@ pub struct ContactPoint {
     pub feature_pair: u32,
 }
 
-/// A ray. Its direction is of any length but 0; distances along it are metres.
-#[derive(Clone, Copy, Debug)]
-pub struct Ray {
-    /// Where it begins.
-    pub origin: DVec3,
-    /// Where it goes.
-    pub direction: DVec3,
-    /// Pass over what is nearer than this, metres.
-    pub min_distance: f64,
-    /// How far, metres.
-    pub max_distance: f64,
-    /// Bodies are hollow: a ray that begins inside goes on to the wall.
-    pub hollow: bool,
-}
-
-/// Where a ray meets a geometry. `Miss` is never returned in it: that is `None`.
-#[derive(Clone, Copy, Debug)]
-pub struct RayTouch {
-    /// Metres along the ray: the best value.
-    pub distance: f64,
-    /// Where, world frame.
-    pub point: DVec3,
-    /// Unit normal of the surface, towards the asker; `None` if the ray began inside.
-    pub normal: Option<DVec3>,
-    /// The ray began inside.
-    pub inside: bool,
-    /// Where on the geometry.
-    pub feature: Feature,
-    /// What the distance is worth.
-    pub certificate: Certificate,
-}
-
 /// The first touch of two moving geometries. `Miss` is never returned in it: that is `None`.
 #[derive(Clone, Copy, Debug)]
 pub struct ImpactTouch {
@@ -166,22 +137,6 @@ pub fn penetration(
         (Some(a), Some(b)) => Ok(convex::penetration(a, b, max_gap, accuracy, work).into_iter().collect()),
         _ => todo!(),
     }
-}
-
-/// Where a ray meets a geometry first. `None` is a proof that it does not within its reach.
-///
-/// A mesh is a surface: it has no inside. An undecided touch does not hide a certain one behind it: see [`RayTouches`].
-pub fn raycast(_ray: &Ray, _target: Placed<'_>, _accuracy: &Accuracy, _work: &mut Work) -> RayTouches {
-    todo!()
-}
-
-/// What a ray meets: at most one certain touch, and one undecided one that may be closer.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RayTouches {
-    /// The closest that is proved.
-    pub certain: Option<RayTouch>,
-    /// One that may be closer, hull of all such.
-    pub undecided: Option<RayTouch>,
 }
 
 /// The first touch of `a`, going from `a.pose.position` by `displacement_a`, and `b`, going by `displacement_b`, both

@@ -1,0 +1,143 @@
+//! From the stretch of a ray inside a convex body to what the ray touches of it.
+
+use glam::DVec3;
+
+use super::{Ray, RayTouch, RayTouches, frame::LocalRay};
+use crate::{
+    answer::{Bound, Certificate, Feature, Method, Stop, Verdict},
+    math::Pose,
+};
+
+/// Where a line enters and leaves a body. Distances are metres along the ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crossing {
+    pub entry: Wall,
+    pub exit: Wall,
+    /// Whether it is proved that the line meets the body. If not, the bounds hold should it do so.
+    pub certain: bool,
+}
+
+/// Where a line goes through the surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wall {
+    pub bound: Bound,
+    pub best: f64,
+    /// Outward normal, local frame; need not be of unit length.
+    pub normal: DVec3,
+    pub face: Option<u32>,
+}
+
+/// What was found out about one wall.
+struct Judged {
+    wall: Wall,
+    bound: Bound,
+    best: f64,
+    verdict: Verdict,
+    inside: bool,
+}
+
+impl Crossing {
+    /// What the ray touches of the body.
+    pub(super) fn touches(&self, ray: &Ray, local: &LocalRay, pose: &Pose) -> RayTouches {
+        let (first, last) = (local.first, local.last);
+        if self.entry.bound.lower > last || self.exit.bound.upper < first {
+            return RayTouches::default();
+        }
+        let (certain, undecided) = if ray.hollow && self.certain {
+            self.hollow(first, last)
+        } else {
+            self.solid(first, last)
+        };
+        let to_world = |judged: Judged| judged.to_world(local, pose);
+        RayTouches {
+            certain: certain.map(to_world),
+            undecided: undecided.map(to_world),
+        }
+    }
+
+    /// A full body: a ray that begins inside touches where it begins.
+    fn solid(&self, first: f64, last: f64) -> (Option<Judged>, Option<Judged>) {
+        let (entry, exit) = (self.entry.bound, self.exit.bound);
+        let is_hit = self.certain && entry.upper <= last && exit.lower >= first;
+        let lower = entry.lower.max(first);
+        let upper = if is_hit {
+            entry.upper.max(first)
+        } else {
+            exit.upper.min(last)
+        };
+        let judged = Judged {
+            wall: self.entry,
+            bound: Bound::new(lower, upper.max(lower)),
+            best: self.entry.best.clamp(lower, upper.max(lower)),
+            verdict: if is_hit { Verdict::Hit } else { Verdict::Undecided },
+            inside: self.entry.best < first,
+        };
+        if is_hit {
+            (Some(judged), None)
+        } else {
+            (None, Some(judged))
+        }
+    }
+
+    /// Walls only: the nearest of the two that the ray reaches.
+    fn hollow(&self, first: f64, last: f64) -> (Option<Judged>, Option<Judged>) {
+        let entry = judge_wall(self.entry, first, last);
+        match entry {
+            Some(entry) if entry.verdict == Verdict::Hit => (Some(entry), None),
+            entry => match judge_wall(self.exit, first, last) {
+                Some(exit) if exit.verdict == Verdict::Hit => (Some(exit), entry),
+                exit => (None, entry.or(exit)),
+            },
+        }
+    }
+}
+
+/// Whether a wall that is surely there lies between `first` and `last`; `None` if surely not.
+fn judge_wall(wall: Wall, first: f64, last: f64) -> Option<Judged> {
+    let Bound { lower, upper } = wall.bound;
+    if upper < first || lower > last {
+        return None;
+    }
+    let is_hit = lower >= first && upper <= last;
+    let bound = Bound::new(lower.max(first), upper.min(last));
+    Some(Judged {
+        wall,
+        bound,
+        best: wall.best.clamp(bound.lower, bound.upper),
+        verdict: if is_hit { Verdict::Hit } else { Verdict::Undecided },
+        inside: false,
+    })
+}
+
+impl Judged {
+    fn to_world(&self, local: &LocalRay, pose: &Pose) -> RayTouch {
+        let outwards = local.normal_to_world(pose, self.wall.normal);
+        let towards_asker = if self.wall.normal.dot(local.direction) > 0.0 {
+            -outwards
+        } else {
+            outwards
+        };
+        RayTouch {
+            distance: self.best + 0.0,
+            point: local.to_world(pose, local.point_at(self.best)),
+            normal: (!self.inside).then_some(towards_asker),
+            inside: self.inside,
+            feature: Feature {
+                part: None,
+                face: if self.inside { None } else { self.wall.face },
+            },
+            certificate: certificate(self.verdict, self.bound),
+        }
+    }
+}
+
+/// The certificate of a value found by formula.
+pub(super) fn certificate(verdict: Verdict, bound: Bound) -> Certificate {
+    Certificate {
+        verdict,
+        bound: Bound::new(bound.lower + 0.0, bound.upper + 0.0),
+        method: Method::ClosedForm,
+        stop: Stop::Converged,
+        iterations: 1,
+    }
+}

@@ -1,0 +1,235 @@
+//! Rays against triangle meshes: the tree, watertight edges, and which touch comes first.
+//!
+//! # Method
+//! Each triangle that the tree offers is hit, missed or open. Open ones lie within the error of an edge. They are decided
+//! together with their neighbours: if a patch of triangles all face alike and the ray surely passes inside each side of
+//! the patch's border, it goes through one of them, whichever it is, because the border winds around it. Only
+//! silhouettes and open borders stay undecided.
+
+use std::convert::Infallible;
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::{
+    Ray, RayTouch, RayTouches,
+    crossing::certificate,
+    frame::{LocalRay, Target},
+    triangle::{Meeting, Sight, Sign, View, normal},
+};
+use crate::{
+    answer::{Bound, Feature, Verdict, Work},
+    broad::{Path, Tree},
+    math::Pose,
+    narrow::Placed,
+    shape::Mesh,
+};
+
+/// Triangles of a patch at most: more meet at one vertex only in contrived meshes, and then the touch stays undecided.
+const PATCH_MAX: usize = 64;
+
+/// A triangle that the ray may go through.
+#[derive(Clone, Copy)]
+struct Candidate {
+    triangle: usize,
+    bound: Bound,
+    best: f64,
+    verdict: Verdict,
+}
+
+/// What a ray touches of a mesh.
+pub(super) fn touches(ray: &Ray, mesh: &Mesh, target: Placed<'_>, work: &mut Work) -> RayTouches {
+    let center = Target::about_center(target.geometry);
+    let local = LocalRay::new(ray, &target.pose, center);
+    if local.passes_ball(center.radius) {
+        return RayTouches::default();
+    }
+    let around = center.radius + 2.0 * local.error;
+    let begin = (local.first - local.shift).max(-around);
+    let end = (local.last - local.shift).min(around);
+    if begin > end {
+        return RayTouches::default();
+    }
+    let path = Path {
+        origin: center.center + (local.foot + local.direction * begin),
+        direction: local.direction,
+        reach: DVec3::splat(2.0 * local.error),
+    };
+    let sight = Sight::new(&local, center.center);
+    let mut found = Found::default();
+    let Ok(()) = mesh.tree().visit_ray(&path, end - begin, work, |work, leaf, _| {
+        work.pairs_tested += 1;
+        work.iterations += 1;
+        found.offer(candidate(&sight, mesh, leaf as usize));
+        Ok::<f64, Infallible>(found.limit - local.shift - begin + 2.0 * local.error)
+    });
+    found.touches(&local, mesh, &target.pose)
+}
+
+/// What is known of the ray and one triangle; `None` if it is surely not touched.
+fn candidate(sight: &Sight<'_>, mesh: &Mesh, triangle: usize) -> Option<Candidate> {
+    let corners = mesh.corners(triangle);
+    let view = sight.view(corners);
+    if view.is_missed() {
+        return None;
+    }
+    let meeting = sight.meeting(corners);
+    let (meeting, is_crossed) = if view.is_hit() {
+        (meeting, true)
+    } else {
+        match patch_meeting(sight, mesh, triangle, view) {
+            Some(bound) => (Meeting { bound, ..meeting }, true),
+            None => (meeting, false),
+        }
+    };
+    let (first, last) = (sight.ray.first, sight.ray.last);
+    let Bound { mut lower, upper } = meeting.bound;
+    if first == 0.0 && lower < 0.0 && upper >= 0.0 {
+        match sight.is_ahead(corners) {
+            Some(true) => lower = 0.0,
+            Some(false) => return None,
+            None => {}
+        }
+    }
+    if upper < first || lower > last {
+        return None;
+    }
+    let is_within = lower >= first && upper <= last;
+    let bound = Bound::new(lower.max(first), upper.min(last));
+    Some(Candidate {
+        triangle,
+        bound,
+        best: meeting.best.clamp(bound.lower, bound.upper),
+        verdict: if is_crossed && is_within {
+            Verdict::Hit
+        } else {
+            Verdict::Undecided
+        },
+    })
+}
+
+/// The hull of when the ray meets a patch around `seed` that it surely goes through; `None` if there is no proof.
+fn patch_meeting(sight: &Sight<'_>, mesh: &Mesh, seed: usize, view: View) -> Option<Bound> {
+    let mut patch: SmallVec<[(usize, View); 16]> = SmallVec::new();
+    patch.push((seed, view));
+    let mut next = 0;
+    while let Some(&(triangle, view)) = patch.get(next) {
+        next += 1;
+        for k in 0..3 {
+            if oriented(view, view.edges[k])? == Sign::Positive {
+                continue;
+            }
+            let (other, view_of_other) = across(sight, mesh, triangle, view, k)?;
+            if patch.iter().all(|&(known, _)| known != other) {
+                if patch.len() == PATCH_MAX {
+                    return None;
+                }
+                patch.push((other, view_of_other));
+            }
+        }
+    }
+    let bounds = patch
+        .iter()
+        .filter(|(_, view)| !view.is_missed())
+        .map(|&(triangle, _)| sight.meeting(mesh.corners(triangle)).bound);
+    bounds.reduce(|a, b| Bound::new(a.lower.min(b.lower), a.upper.max(b.upper)))
+}
+
+/// The one triangle beyond a side, if it faces as this one does, so that the side is no silhouette.
+fn across(sight: &Sight<'_>, mesh: &Mesh, triangle: usize, view: View, k: usize) -> Option<(usize, View)> {
+    let mut others = mesh.adjacency().across(triangle, k);
+    let (other, side) = others.next()?;
+    if others.next().is_some() {
+        return None;
+    }
+    let view_of_other = sight.view_of_neighbour(mesh.corners(other));
+    let is_same_way = mesh.triangles()[triangle][k] == mesh.triangles()[other][side];
+    let faces_alike = oriented(view, Sign::Positive)? == oriented(view_of_other, Sign::Positive)?;
+    (is_same_way != faces_alike).then_some((other, view_of_other))
+}
+
+/// A sign as if the triangle were wound so that the ray meets it along its normal; `None` if it may be seen edge-on.
+fn oriented(view: View, sign: Sign) -> Option<Sign> {
+    match view.facing {
+        Sign::Positive => Some(sign),
+        Sign::Negative => Some(sign.flipped()),
+        Sign::Zero | Sign::Unknown => None,
+    }
+}
+
+/// All that may be the first touch.
+struct Found {
+    candidates: SmallVec<[Candidate; 4]>,
+    /// A certain touch is not farther than this.
+    limit: f64,
+}
+
+impl Default for Found {
+    fn default() -> Self {
+        Self {
+            candidates: SmallVec::new(),
+            limit: f64::INFINITY,
+        }
+    }
+}
+
+impl Found {
+    fn offer(&mut self, candidate: Option<Candidate>) {
+        let Some(candidate) = candidate.filter(|candidate| candidate.bound.lower <= self.limit) else {
+            return;
+        };
+        if candidate.verdict == Verdict::Hit && candidate.bound.upper < self.limit {
+            self.limit = candidate.bound.upper;
+            let limit = self.limit;
+            self.candidates.retain(|known| known.bound.lower <= limit);
+        }
+        self.candidates.push(candidate);
+    }
+
+    /// All that is left may be first, as far as is proved: the least number wins, so that neither the tree nor the
+    /// order of triangles in it shows in the answer.
+    fn touches(&self, local: &LocalRay, mesh: &Mesh, pose: &Pose) -> RayTouches {
+        let pick = |verdict: Verdict| {
+            let those = || {
+                self.candidates
+                    .iter()
+                    .filter(move |candidate| candidate.verdict == verdict)
+            };
+            let winner = those().min_by_key(|candidate| candidate.triangle)?;
+            let lower = those()
+                .map(|candidate| candidate.bound.lower)
+                .fold(f64::INFINITY, f64::min);
+            let upper = those().map(|candidate| candidate.bound.upper);
+            let upper = match verdict {
+                Verdict::Hit => upper.fold(f64::INFINITY, f64::min),
+                Verdict::Undecided | Verdict::Miss => upper.fold(f64::NEG_INFINITY, f64::max),
+            };
+            Some(touch(local, mesh, pose, *winner, Bound::new(lower, upper)))
+        };
+        RayTouches {
+            certain: pick(Verdict::Hit),
+            undecided: pick(Verdict::Undecided),
+        }
+    }
+}
+
+fn touch(local: &LocalRay, mesh: &Mesh, pose: &Pose, winner: Candidate, bound: Bound) -> RayTouch {
+    let best = winner.best.clamp(bound.lower, bound.upper);
+    let (outwards, _) = normal(mesh.corners(winner.triangle));
+    let towards_asker = if outwards.dot(local.direction) > 0.0 {
+        -outwards
+    } else {
+        outwards
+    };
+    RayTouch {
+        distance: best + 0.0,
+        point: local.to_world(pose, local.point_at(best)),
+        normal: Some(local.normal_to_world(pose, towards_asker)),
+        inside: false,
+        feature: Feature {
+            part: None,
+            face: Some(mesh.sent_number(winner.triangle)),
+        },
+        certificate: certificate(winner.verdict, bound),
+    }
+}

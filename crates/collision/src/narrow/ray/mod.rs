@@ -1,0 +1,160 @@
+//! Where a ray meets a geometry.
+//!
+//! # Method
+//! The ray is taken into the frame of its target, with a bound on what that costs ([`frame`]); each form then has its own
+//! formula. Convex bodies answer with the stretch of the line inside them, from which [`crossing`] reads what the ray
+//! touches; meshes are searched by their tree.
+//!
+//! # Never
+//! A miss that is not proved: what rounding leaves open is an undecided touch.
+
+mod crossing;
+mod frame;
+mod mesh;
+mod polytope;
+mod round;
+mod rounded;
+mod triangle;
+
+use glam::DVec3;
+
+use self::{
+    crossing::Crossing,
+    frame::{LocalRay, Target},
+    round::Round,
+};
+use super::Placed;
+use crate::{
+    accuracy::Accuracy,
+    answer::{Certificate, Feature, Work},
+    shape::{Convex, Core, Form, Hull, Span},
+};
+
+/// A ray. Its direction is of any length but 0; distances along it are metres.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Where it begins.
+    pub origin: DVec3,
+    /// Where it goes.
+    pub direction: DVec3,
+    /// Pass over what is nearer than this, metres.
+    pub min_distance: f64,
+    /// How far, metres.
+    pub max_distance: f64,
+    /// Bodies are hollow: a ray that begins inside goes on to the wall.
+    pub hollow: bool,
+}
+
+/// Where a ray meets a geometry. `Miss` is never returned in it: that is `None`.
+#[derive(Clone, Copy, Debug)]
+pub struct RayTouch {
+    /// Metres along the ray: the best value.
+    pub distance: f64,
+    /// Where, world frame.
+    pub point: DVec3,
+    /// Unit normal of the surface, towards the asker; `None` if the ray began inside.
+    pub normal: Option<DVec3>,
+    /// The ray began inside.
+    pub inside: bool,
+    /// Where on the geometry.
+    pub feature: Feature,
+    /// What the distance is worth.
+    pub certificate: Certificate,
+}
+
+/// What a ray meets: at most one certain touch, and one undecided one that may be closer.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RayTouches {
+    /// The closest that is proved.
+    pub certain: Option<RayTouch>,
+    /// One that may be closer, hull of all such.
+    pub undecided: Option<RayTouch>,
+}
+
+/// Where a ray meets a geometry first. An absent touch is a proof that there is none between the ray's `min_distance` and
+/// `max_distance`. A body is full unless the ray says `hollow`: a ray that begins inside touches where it begins.
+///
+/// A mesh is a surface: it has no inside, both sides count, and a ray in the plane of a triangle does not meet that
+/// triangle. Where triangles share an edge the least number wins. An undecided touch does not hide a certain one behind
+/// it: see [`RayTouches`].
+///
+/// ```
+/// use collision::{DVec3, accuracy::Accuracy, answer::Work, math::Pose, narrow, shape::Geometry};
+/// let ball = Geometry::sphere(1.0).unwrap();
+/// let ray = narrow::Ray {
+///     origin: DVec3::new(-1e9, 0.0, 0.0),
+///     direction: DVec3::X,
+///     min_distance: 0.0,
+///     max_distance: 4e12,
+///     hollow: false,
+/// };
+/// let target = narrow::Placed { geometry: &ball, pose: Pose::IDENTITY };
+/// let touch = narrow::raycast(&ray, target, &Accuracy::default(), &mut Work::default()).certain.unwrap();
+/// assert_eq!(touch.distance, 1e9 - 1.0);
+/// assert!(touch.certificate.bound.contains(1e9 - 1.0));
+/// ```
+pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> RayTouches {
+    let convex = match target.geometry.form() {
+        Form::Mesh(mesh) => return mesh::touches(ray, mesh, target, work),
+        Form::Convex(convex) => convex,
+    };
+    work.pairs_tested += 1;
+    work.iterations += 1;
+    let about = match &convex.core {
+        Core::Point | Core::Segment { .. } | Core::Cuboid { .. } => Target::about_origin(target.geometry),
+        Core::Hull(_) | Core::Triangle(_) => Target::about_center(target.geometry),
+    };
+    let local = LocalRay::new(ray, &target.pose, about);
+    if local.passes_ball(about.radius) {
+        return RayTouches::default();
+    }
+    let crossing = match (simple_crossing(&local, convex, about), convex.radius > 0.0) {
+        (Some(found), _) => found,
+        (None, true) => rounded::crossing(&local, convex, about, accuracy, work),
+        (None, false) => flat_sided_crossing(&local, &convex.core, about.center),
+    };
+    crossing.map_or_else(RayTouches::default, |crossing| {
+        crossing.touches(ray, &local, &target.pose)
+    })
+}
+
+/// Forms around a point or a segment have formulas with any radius. `None`: it is none of them.
+fn simple_crossing(local: &LocalRay, convex: &Convex, about: Target) -> Option<Option<Crossing>> {
+    let round = |center: DVec3, axis: DVec3, half: f64| Round {
+        center,
+        axis,
+        half,
+        radius: convex.radius,
+    };
+    let round = match &convex.core {
+        Core::Point => round(DVec3::ZERO, DVec3::Y, 0.0),
+        Core::Segment { half_height } => round(DVec3::ZERO, DVec3::Y, *half_height),
+        Core::Hull(hull) => {
+            let (start, end) = ends(hull)?;
+            let (axis, length) = (end - start).normalize_and_length();
+            round(start * 0.5 + end * 0.5 - about.center, axis, 0.5 * length)
+        }
+        Core::Cuboid { .. } | Core::Triangle(_) => return None,
+    };
+    Some(round.crossing(local))
+}
+
+/// The ends of a hull that is a segment or a point.
+fn ends(hull: &Hull) -> Option<(DVec3, DVec3)> {
+    let topology = hull.topology();
+    let vertex = |index: u32| hull.vertices()[index as usize];
+    match topology.span {
+        Span::Point => Some((vertex(0), vertex(0))),
+        Span::Segment => Some((vertex(topology.edges[0].start), vertex(topology.edges[0].end))),
+        Span::Polygon | Span::Solid => None,
+    }
+}
+
+fn flat_sided_crossing(local: &LocalRay, core: &Core, center: DVec3) -> Option<Crossing> {
+    match core {
+        Core::Cuboid { half_extents } => polytope::cuboid(local, *half_extents),
+        Core::Hull(hull) => polytope::hull(local, hull, center),
+        Core::Triangle(corners) => polytope::polygon(local, corners, center),
+        Core::Point | Core::Segment { .. } => None,
+    }
+}

@@ -1,0 +1,124 @@
+//! Rays against rounded boxes, hulls and polygons: a ray is a moving point.
+//!
+//! # Method
+//! As for balls, the body is taken once larger and once smaller by the error of the ray. Only the stretch within the
+//! body's ball is cast, so that a far origin costs nothing; the exit is found by a cast from the other end.
+
+use glam::DVec3;
+
+use super::{
+    crossing::{Crossing, Wall},
+    frame::{LocalRay, Target},
+};
+use crate::{
+    accuracy::Accuracy,
+    answer::{Bound, Verdict, Work},
+    math::Pose,
+    narrow::convex::{self, PlacedConvex},
+    shape::{Convex, Core},
+};
+
+/// Where the line crosses the body; `None` if surely nowhere.
+pub(super) fn crossing(
+    ray: &LocalRay,
+    body: &Convex,
+    about: Target,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Option<Crossing> {
+    let span = about.radius + 2.0 * ray.error;
+    let caster = Caster {
+        body,
+        pose: Pose::at(DVec3::ZERO - about.center),
+        accuracy,
+        margin: 2.0 * ray.error,
+    };
+    let (begin, end) = (ray.foot - ray.direction * span, ray.foot + ray.direction * span);
+    let entry = caster.wall(begin, ray.direction * (2.0 * span), work)?;
+    let exit = caster.wall(end, ray.direction * (-2.0 * span), work)?;
+    let (near, far) = (ray.shift - span, ray.shift + span);
+    let entry_at = |fraction: f64| near + fraction * (2.0 * span);
+    let exit_at = |fraction: f64| far - fraction * (2.0 * span);
+    let certain = entry.certain && exit.certain;
+    let whole = Bound::new(
+        entry_at(entry.bound.lower) - ray.error,
+        exit_at(exit.bound.lower) + ray.error,
+    );
+    let wall = |bound: Bound, best: f64, normal: DVec3| Wall {
+        bound: if certain { bound } else { whole },
+        best,
+        normal,
+        face: None,
+    };
+    Some(Crossing {
+        entry: wall(
+            Bound::new(whole.lower, entry_at(entry.bound.upper) + ray.error),
+            entry_at(entry.best),
+            entry.normal.unwrap_or(DVec3::ZERO - ray.direction),
+        ),
+        exit: wall(
+            Bound::new(exit_at(exit.bound.upper) - ray.error, whole.upper),
+            exit_at(exit.best),
+            exit.normal.unwrap_or(ray.direction),
+        ),
+        certain,
+    })
+}
+
+struct Caster<'a> {
+    body: &'a Convex,
+    pose: Pose,
+    accuracy: &'a Accuracy,
+    margin: f64,
+}
+
+/// When a moving point gets to the surface, as a fraction of its motion.
+struct Arrival {
+    bound: Bound,
+    best: f64,
+    normal: Option<DVec3>,
+    certain: bool,
+}
+
+impl Caster<'_> {
+    fn wall(&self, origin: DVec3, motion: DVec3, work: &mut Work) -> Option<Arrival> {
+        let outer = self.cast(self.margin, origin, motion, work)?;
+        let inner = if self.body.radius > self.margin {
+            self.cast(-self.margin, origin, motion, work)
+        } else {
+            None
+        };
+        let inner = inner.filter(|touch| touch.certificate.verdict == Verdict::Hit);
+        let middle = self.cast(0.0, origin, motion, work);
+        let best = middle.map_or(outer.fraction, |touch| touch.fraction);
+        Some(Arrival {
+            bound: Bound::new(
+                outer.certificate.bound.lower,
+                inner.map_or(1.0, |touch| touch.certificate.bound.upper),
+            ),
+            best,
+            normal: middle.unwrap_or(outer).normal_b_to_a,
+            certain: inner.is_some(),
+        })
+    }
+
+    fn cast(&self, growth: f64, origin: DVec3, motion: DVec3, work: &mut Work) -> Option<crate::narrow::ImpactTouch> {
+        let point = Convex {
+            core: Core::Point,
+            radius: 0.0,
+        };
+        let body = Convex {
+            core: self.body.core.clone(),
+            radius: self.body.radius + growth,
+        };
+        let point = PlacedConvex {
+            convex: &point,
+            pose: Pose::at(origin),
+        };
+        let body = PlacedConvex {
+            convex: &body,
+            pose: self.pose,
+        };
+        convex::linear_impact(point, motion, body, DVec3::ZERO, false, self.accuracy, work)
+    }
+}

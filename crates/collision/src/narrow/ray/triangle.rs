@@ -1,0 +1,269 @@
+//! A triangle as a ray sees it: on which side of each edge the ray passes, which side it faces, and when it is met.
+//!
+//! # Method
+//! The triangle is sheared along the ray's largest axis so that the ray becomes the axis; edge functions are then areas in
+//! the plane, each with its error. What the error leaves open is decided exactly where the ray is known exactly.
+//!
+//! # Source
+//! Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection" (2013), section 3: the shear. The error bounds, and
+//! expansions instead of a second precision, are ours.
+
+use std::cmp::Ordering;
+
+use glam::{DVec2, DVec3};
+
+use super::frame::{ExactRay, LocalRay};
+use crate::{answer::Bound, math::expansion::ExactVector, tolerance};
+
+/// A sign as far as it is proved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sign {
+    Negative,
+    Zero,
+    Positive,
+    Unknown,
+}
+
+impl Sign {
+    fn of(value: f64, error: f64) -> Self {
+        if value > error {
+            Self::Positive
+        } else if value < -error {
+            Self::Negative
+        } else {
+            Self::Unknown
+        }
+    }
+
+    /// The sign of the negative.
+    pub(super) fn flipped(self) -> Self {
+        match self {
+            Self::Negative => Self::Positive,
+            Self::Positive => Self::Negative,
+            Self::Zero => Self::Zero,
+            Self::Unknown => Self::Unknown,
+        }
+    }
+}
+
+impl From<Ordering> for Sign {
+    fn from(order: Ordering) -> Self {
+        match order {
+            Ordering::Less => Self::Negative,
+            Ordering::Equal => Self::Zero,
+            Ordering::Greater => Self::Positive,
+        }
+    }
+}
+
+/// How a ray sees a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View {
+    /// For the side from each corner to the next: the side the ray passes it on. All are as `facing` within the triangle.
+    pub edges: [Sign; 3],
+    /// The sign of the ray's direction along the normal of the triangle.
+    pub facing: Sign,
+}
+
+impl View {
+    /// Whether the ray surely passes the triangle by (or, known exactly, runs in its plane).
+    pub(super) fn is_missed(&self) -> bool {
+        let has = |sign: Sign| self.edges.contains(&sign);
+        self.facing == Sign::Zero || (has(Sign::Positive) && has(Sign::Negative))
+    }
+
+    /// Whether the ray surely goes through it. Edges and corners belong to it.
+    pub(super) fn is_hit(&self) -> bool {
+        !self.is_missed() && !self.edges.contains(&Sign::Unknown)
+    }
+}
+
+/// When the plane of a triangle is met.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    /// Metres along the ray.
+    pub bound: Bound,
+    pub best: f64,
+}
+
+/// A ray made ready to look at triangles.
+pub(super) struct Sight<'a> {
+    pub ray: &'a LocalRay,
+    center: DVec3,
+    axes: [usize; 3],
+    shear: DVec2,
+    /// Sign of the ray's largest component.
+    along: f64,
+    /// Bounds the error of a sheared corner.
+    error: f64,
+}
+
+impl<'a> Sight<'a> {
+    pub(super) fn new(ray: &'a LocalRay, center: DVec3) -> Self {
+        let largest = ray.direction.abs().max_position();
+        let axes = [(largest + 1) % 3, (largest + 2) % 3, largest];
+        let d = ray.direction;
+        Self {
+            ray,
+            center,
+            axes,
+            shear: DVec2::new(d[axes[0]], d[axes[1]]) / d[largest],
+            along: d[largest].signum(),
+            error: 3.0 * ray.error,
+        }
+    }
+
+    /// Looks at a triangle, given by its corners in the local frame. If the ray surely passes it by, no more is found out.
+    pub(super) fn view(&self, corners: [DVec3; 3]) -> View {
+        let edges = self.edges(corners);
+        if edges.contains(&Sign::Positive) && edges.contains(&Sign::Negative) {
+            let facing = Sign::Unknown;
+            return View { edges, facing };
+        }
+        self.whole_view(corners, edges)
+    }
+
+    /// Looks at a neighbour, of which more must be known than that the ray passes it by.
+    pub(super) fn view_of_neighbour(&self, corners: [DVec3; 3]) -> View {
+        self.whole_view(corners, self.edges(corners))
+    }
+
+    fn edges(&self, corners: [DVec3; 3]) -> [Sign; 3] {
+        let sheared = corners.map(|corner| self.sheared(corner));
+        [0, 1, 2].map(|k| self.side(sheared[k], sheared[(k + 1) % 3]))
+    }
+
+    fn whole_view(&self, corners: [DVec3; 3], mut edges: [Sign; 3]) -> View {
+        if let Some(exact) = &self.ray.exact {
+            for k in 0..3 {
+                if edges[k] == Sign::Unknown {
+                    edges[k] = exact_side(exact, corners[k], corners[(k + 1) % 3]);
+                }
+            }
+        }
+        let facing = self.facing(corners);
+        View { edges, facing }
+    }
+
+    fn sheared(&self, corner: DVec3) -> DVec2 {
+        let relative = (corner - self.center) - self.ray.foot;
+        let [x, y, z] = self.axes;
+        DVec2::new(relative[x], relative[y]) - self.shear * relative[z]
+    }
+
+    /// Twice the area between the ray and a side. Its error: corners are off by `error`, and two products and a
+    /// difference round four times.
+    fn side(&self, a: DVec2, b: DVec2) -> Sign {
+        let (left, right) = (a.x * b.y, a.y * b.x);
+        let spread = a.x.abs() + a.y.abs() + b.x.abs() + b.y.abs() + 2.0 * self.error;
+        let error = self.error * spread + 4.0 * tolerance::ROUNDING * (left.abs() + right.abs());
+        Sign::of((left - right) * self.along, error)
+    }
+
+    fn facing(&self, corners: [DVec3; 3]) -> Sign {
+        let (normal, normal_error) = normal(corners);
+        let error = self.speed_error(normal, normal_error);
+        match (Sign::of(normal.dot(self.ray.direction), error), &self.ray.exact) {
+            (Sign::Unknown, Some(exact)) => {
+                let direction = ExactVector::difference(exact.direction, DVec3::ZERO);
+                exact_normal(corners).dot(&direction).sign().into()
+            }
+            (sign, _) => sign,
+        }
+    }
+
+    fn speed_error(&self, normal: DVec3, normal_error: f64) -> f64 {
+        2.0 * normal_error + self.ray.direction_error * normal.length()
+    }
+
+    /// When the plane is met, should the ray go through the triangle: from the plane, and never outside of the
+    /// stretch where its corners lie.
+    pub(super) fn meeting(&self, corners: [DVec3; 3]) -> Meeting {
+        let ray = self.ray;
+        let relative = corners.map(|corner| (corner - self.center) - ray.foot);
+        let along = relative.map(|corner| corner.dot(ray.direction));
+        let range = Bound::new(
+            along[0].min(along[1]).min(along[2]) - 2.0 * ray.error,
+            along[0].max(along[1]).max(along[2]) + 2.0 * ray.error,
+        );
+        let (normal, normal_error) = normal(corners);
+        let speed = normal.dot(ray.direction);
+        let speed_error = self.speed_error(normal, normal_error);
+        let spare = speed.abs() - speed_error;
+        let mut bound = range;
+        let mut best = 0.5 * range.lower + 0.5 * range.upper;
+        if spare > 0.0 {
+            best = normal.dot(relative[0]) / speed;
+            let error =
+                (normal.length() * ray.error + 2.0 * normal_error * relative[0].length() + best.abs() * speed_error)
+                    / spare;
+            bound = Bound::new((best - error).max(range.lower), (best + error).min(range.upper));
+        }
+        let is_wide = spare <= 0.0 || bound.width() > tolerance::RAY_GRAZING * ray.error;
+        if let (true, Some(exact)) = (is_wide, &ray.exact)
+            && let Some(meeting) = exact_meeting(exact, corners)
+        {
+            return meeting;
+        }
+        let bound = if bound.lower <= bound.upper { bound } else { range };
+        let bound = Bound::new(bound.lower + ray.shift - ray.error, bound.upper + ray.shift + ray.error);
+        Meeting {
+            bound,
+            best: (best + ray.shift).clamp(bound.lower, bound.upper),
+        }
+    }
+
+    /// Whether the plane is met at the origin of the ray or after it; `None` if that is not known exactly.
+    pub(super) fn is_ahead(&self, corners: [DVec3; 3]) -> Option<bool> {
+        let exact = self.ray.exact.as_ref()?;
+        let normal = exact_normal(corners);
+        let height = normal.dot(&ExactVector::difference(corners[0], exact.origin)).sign();
+        let speed = normal
+            .dot(&ExactVector::difference(exact.direction, DVec3::ZERO))
+            .sign();
+        Some(height == Ordering::Equal || height == speed)
+    }
+}
+
+/// The normal, twice the area long, and a bound of the error of each of its components.
+pub(super) fn normal([a, b, c]: [DVec3; 3]) -> (DVec3, f64) {
+    let (along, across) = (b - a, c - a);
+    let largest = along.abs().max_element() * across.abs().max_element();
+    (along.cross(across), tolerance::CROSS_PRODUCT * largest)
+}
+
+fn exact_normal([a, b, c]: [DVec3; 3]) -> ExactVector {
+    ExactVector::difference(b, a).cross(&ExactVector::difference(c, a))
+}
+
+fn exact_side(exact: &ExactRay, a: DVec3, b: DVec3) -> Sign {
+    let from_origin = |corner: DVec3| ExactVector::difference(corner, exact.origin);
+    let (a, b) = (from_origin(a), from_origin(b));
+    if !(a.is_in_range() && b.is_in_range()) {
+        return Sign::Unknown;
+    }
+    a.cross(&b)
+        .dot(&ExactVector::difference(exact.direction, DVec3::ZERO))
+        .sign()
+        .into()
+}
+
+/// From exact sums: an estimate of each is off by an ulp or two whatever cancels, and so is the length of the direction.
+fn exact_meeting(exact: &ExactRay, corners: [DVec3; 3]) -> Option<Meeting> {
+    let normal = exact_normal(corners);
+    let height = normal
+        .dot(&ExactVector::difference(corners[0], exact.origin))
+        .estimate();
+    let speed = normal
+        .dot(&ExactVector::difference(exact.direction, DVec3::ZERO))
+        .estimate();
+    if speed == 0.0 {
+        return None;
+    }
+    let best = height / speed * exact.direction.length();
+    let error = best.abs() * tolerance::EXACT_MEETING;
+    Some(Meeting {
+        bound: Bound::new(best - error, best + error),
+        best,
+    })
+}
