@@ -15,6 +15,7 @@ pub mod answer;
 pub mod broad;
 pub mod math;
 pub mod narrow;
+mod pages;
 pub mod shape;
 pub mod tolerance;
 pub mod world;

@@ -85,6 +85,16 @@ impl StaticTree {
         self.depth
     }
 
+    /// Its cost by the surface-area heuristic, m²: the half areas of all nodes, those of leaves once more for each box in
+    /// them. Compares with [`super::DynamicTree::area_sum`].
+    #[must_use]
+    pub fn area_sum(&self) -> f64 {
+        self.nodes
+            .iter()
+            .map(|node| node.bounds.half_area() * f64::from(1 + node.count))
+            .sum()
+    }
+
     /// Bytes it holds in memory.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {

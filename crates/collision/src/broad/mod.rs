@@ -4,8 +4,10 @@
 //! offer some whose box does not. What is true is for the caller to decide on the canonical boxes and the shapes, so
 //! answers depend on neither the tree nor the order in which it was built.
 
+mod dynamic;
 mod fixed;
 mod traverse;
 
+pub use dynamic::{DynamicTree, Refit};
 pub use fixed::StaticTree;
 pub use traverse::{Expanded, NodeIndex, Path, Toll, Tree};

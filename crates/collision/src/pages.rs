@@ -1,0 +1,97 @@
+//! A vector in pages that its clones share until one of them writes: publishing a version costs the pages touched.
+
+use std::{
+    ops::{Index, IndexMut},
+    sync::Arc,
+};
+
+/// Items of a page. Larger copies more for one write; smaller has more pages to share at each clone.
+const PAGE: usize = 64;
+
+/// A vector whose clones share pages until one of them writes. An item costs one more load than in a `Vec`.
+#[derive(Clone, Debug)]
+pub(crate) struct Pages<T> {
+    pages: Vec<Arc<[T]>>,
+    len: usize,
+}
+
+impl<T> Default for Pages<T> {
+    fn default() -> Self {
+        Self {
+            pages: Vec::new(),
+            len: 0,
+        }
+    }
+}
+
+impl<T: Clone + Default> Pages<T> {
+    /// How many items there are.
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Appends an item; its index is the length before.
+    pub(crate) fn push(&mut self, item: T) {
+        if self.len == self.pages.len() * PAGE {
+            self.pages.push((0..PAGE).map(|_| T::default()).collect());
+        }
+        self.len += 1;
+        let last = self.len - 1;
+        self[last] = item;
+    }
+
+    /// All items in order.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
+        self.pages.iter().flat_map(|page| page.iter()).take(self.len)
+    }
+
+    /// Bytes it holds in memory, what it shares included, what items own elsewhere not.
+    pub(crate) fn memory_bytes(&self) -> u64 {
+        let page = PAGE * size_of::<T>() + 2 * size_of::<usize>();
+        (self.pages.len() * page + self.pages.capacity() * size_of::<Arc<[T]>>()) as u64
+    }
+}
+
+impl<T> Index<usize> for Pages<T> {
+    type Output = T;
+
+    fn index(&self, index: usize) -> &T {
+        &self.pages[index / PAGE][index % PAGE]
+    }
+}
+
+impl<T: Clone> IndexMut<usize> for Pages<T> {
+    /// Copies the page first if a clone shares it.
+    fn index_mut(&mut self, index: usize) -> &mut T {
+        &mut Arc::make_mut(&mut self.pages[index / PAGE])[index % PAGE]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clone_keeps_what_it_saw_and_shares_what_was_not_written() {
+        let mut pages = Pages::default();
+        for item in 0..1000_u32 {
+            pages.push(item);
+        }
+        let before = pages.clone();
+        pages[70] = 7;
+        pages.push(1000);
+        assert_eq!((pages[70], pages[1000], pages.len()), (7, 1000, 1001));
+        assert!(before.iter().copied().eq(0..1000));
+        let shared = before
+            .pages
+            .iter()
+            .zip(&pages.pages)
+            .filter(|(a, b)| Arc::ptr_eq(a, b))
+            .count();
+        assert_eq!(
+            shared,
+            before.pages.len() - 2,
+            "the pages of items 70 and 1000 were copied, no other"
+        );
+    }
+}
