@@ -84,3 +84,9 @@ pub const RAY_GRAZING: f64 = 1024.0;
 /// A quotient of two exact sums, each estimated to 3 roundings, times a length (4) and by another quotient and product: 12;
 /// twice that and some for sums whose parts overlap in no bit but round upwards together. As a part of the distance.
 pub const EXACT_MEETING: f64 = 32.0 * ROUNDING;
+
+/// Widens a length that is turned into a `t` of a search by dividing it by the length of the direction (root of a sum of
+/// three squares, four roundings; the division, this product, and as many on the way back): a shape that is passed over
+/// because its `t` is beyond the limit must be beyond it in metres as well, or answers would depend on the tree. Larger
+/// only visits more nodes. Pinned by `tests/world_questions.rs`.
+pub const LIMIT_WIDENING: f64 = 1.0 + 64.0 * ROUNDING;

@@ -10,4 +10,4 @@ mod traverse;
 
 pub use dynamic::{DynamicTree, Refit};
 pub use fixed::StaticTree;
-pub use traverse::{Expanded, NodeIndex, Path, Toll, Tree};
+pub use traverse::{Expanded, NodeIndex, Path, Toll, Tree, distance_at_least};

@@ -65,6 +65,15 @@ pub struct Path {
     pub reach: DVec3,
 }
 
+impl Path {
+    /// A `t` before which the path does not enter `bounds`, at least 0; `None` if it surely enters it nowhere from 0 to
+    /// `limit`. Whenever this is `Some`, a search along this path offers a leaf of that box.
+    #[must_use]
+    pub fn entry(&self, bounds: &Aabb, limit: f64) -> Option<f64> {
+        Slabs::new(self, bounds).entry(bounds, limit)
+    }
+}
+
 /// A tree of boxes that can be searched.
 pub trait Tree {
     /// The root and its box; `None` if the tree is empty.
@@ -273,9 +282,10 @@ impl PartialEq for Open {
 
 impl Eq for Open {}
 
-/// Not above the true distance of two boxes: the root of a sum of squares is off by a few rounded operations, unless
-/// the squares are so small that they lose digits; then 0 is said.
-fn distance_at_least(a: Aabb, b: Aabb) -> f64 {
+/// Metres, not above the true distance of two boxes: the root of a sum of squares is off by a few rounded operations,
+/// unless the squares are so small that they lose digits; then 0 is said. Never larger for a larger box.
+#[must_use]
+pub fn distance_at_least(a: Aabb, b: Aabb) -> f64 {
     let distance_sq = a.distance_sq(b);
     if distance_sq > tolerance::SQUARE_MIN {
         distance_sq.sqrt() * tolerance::SLAB_NARROWING

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Shape, ShapeId, Snapshot, Tick, Time};
+use super::{Shape, ShapeId, Snapshot, Tick, Time, state::State};
 
 /// One change.
 #[derive(Clone, Debug)]
@@ -78,30 +78,75 @@ pub struct EditReport {
     pub faults: Vec<EditFault>,
 }
 
+/// How a shape came to its new pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// All the way.
+    Travelled,
+    /// It was put there: how far that is says nothing of how it will move.
+    Teleported,
+}
+
 /// A world and its writer. Publishing is the caller's: [`World::newest`] after each batch.
 #[derive(Debug)]
-pub struct World {}
+pub struct World {
+    newest: Arc<Snapshot>,
+}
 
 impl World {
     /// An empty world at tick 1.
     #[must_use]
-    pub fn new(_time: Time) -> Self {
-        todo!()
+    pub fn new(time: Time) -> Self {
+        Self {
+            newest: Arc::new(Snapshot {
+                tick: Tick::MIN,
+                time,
+                state: State::default(),
+            }),
+        }
     }
 
     /// The newest version.
     #[must_use]
     pub fn newest(&self) -> Arc<Snapshot> {
-        todo!()
+        Arc::clone(&self.newest)
     }
 
     /// Applies a batch as one tick. Later edits see earlier ones of the batch. Versions that were handed out stay as
     /// they are. An empty batch makes a tick too.
     ///
+    /// The cost is that of the edits, of copying the pages they touch, and of one reference for each page of 64 shapes.
+    ///
     /// # Errors
     /// With [`EditRule::AllOrNothing`], the first fault; with either rule, a `time` before that of the newest version.
     /// Nothing has changed then.
-    pub fn apply(&mut self, _edits: Vec<Edit>, _time: Time, _rule: EditRule) -> Result<EditReport, EditError> {
-        todo!()
+    pub fn apply(&mut self, edits: Vec<Edit>, time: Time, rule: EditRule) -> Result<EditReport, EditError> {
+        let newest = self.newest.time;
+        if time < newest {
+            return Err(EditError::TimeGoesBack { newest, found: time });
+        }
+        // A draft that shares all pages with the newest version: if it is dropped, nothing has happened.
+        let mut state = self.newest.state.clone();
+        let mut changed_count = 0;
+        let mut faults = Vec::new();
+        for (index, edit) in edits.into_iter().enumerate() {
+            match state.apply(edit) {
+                Ok(count) => changed_count += count,
+                Err(id) => {
+                    let fault = EditFault { index, id };
+                    match rule {
+                        EditRule::AllOrNothing => return Err(fault.into()),
+                        EditRule::LeaveOutWrong => faults.push(fault),
+                    }
+                }
+            }
+        }
+        let tick = self.newest.tick.saturating_add(1);
+        self.newest = Arc::new(Snapshot { tick, time, state });
+        Ok(EditReport {
+            tick,
+            changed_count,
+            faults,
+        })
     }
 }

@@ -1,10 +1,11 @@
 //! Which shapes a question sees.
 
-use super::ShapeId;
+use super::{Mobility, Shape, ShapeId};
 
 /// Which shapes a question sees: those with `(shape.layers & collides_with) != 0` and
 /// `(shape.collides_with & layers) != 0`, less the exclusions. If the asker is a shape of the world, absent masks are
-/// that shape's own, it never sees itself nor those of its group.
+/// that shape's own, it never sees itself nor those of its group. Where a question names what it is asked `against`,
+/// that pair is answered and the filter does not apply.
 #[derive(Clone, Debug, Default)]
 pub struct Filter {
     /// The asker's layers; absent means all.
@@ -19,4 +20,47 @@ pub struct Filter {
     pub exclude_static: bool,
     /// Never shapes of these groups.
     pub exclude_groups: Vec<u32>,
+}
+
+/// A filter made ready for one asker.
+#[derive(Debug)]
+pub(super) struct Sieve<'a> {
+    filter: &'a Filter,
+    layers: u32,
+    collides_with: u32,
+    /// The asker and its group, if it is a shape of the world.
+    asker: Option<(ShapeId, u32)>,
+    /// Sorted.
+    exclude_ids: Vec<ShapeId>,
+}
+
+impl<'a> Sieve<'a> {
+    /// The filter for an asker, which may be a shape of the world.
+    pub(super) fn new(filter: &'a Filter, asker: Option<&Shape>) -> Self {
+        let mut exclude_ids = filter.exclude_ids.clone();
+        exclude_ids.sort_unstable();
+        Self {
+            filter,
+            layers: filter.layers.or(asker.map(|shape| shape.layers)).unwrap_or(u32::MAX),
+            collides_with: filter
+                .collides_with
+                .or(asker.map(|shape| shape.collides_with))
+                .unwrap_or(u32::MAX),
+            asker: asker.map(|shape| (shape.id, shape.group)),
+            exclude_ids,
+        }
+    }
+
+    /// Whether the asker sees a shape.
+    pub(super) fn passes(&self, shape: &Shape) -> bool {
+        let is_wanted = shape.layers & self.collides_with != 0 && shape.collides_with & self.layers != 0;
+        let is_own = self
+            .asker
+            .is_some_and(|(id, group)| id == shape.id || (group != 0 && group == shape.group));
+        let is_excluded = (self.filter.exclude_sensors && shape.sensor)
+            || (self.filter.exclude_static && shape.mobility == Mobility::Static)
+            || self.filter.exclude_groups.contains(&shape.group)
+            || self.exclude_ids.binary_search(&shape.id).is_ok();
+        is_wanted && !is_own && !is_excluded
+    }
 }

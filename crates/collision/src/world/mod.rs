@@ -1,15 +1,29 @@
 //! A world is a sequence of immutable versions: [`World`] is the one writer, [`Snapshot`] a version that any number of
 //! readers question without waiting.
 
+mod describe;
+mod directory;
+mod distance;
 mod edit;
 mod filter;
+mod hits;
+mod impact;
+mod overlap;
+mod penetration;
 mod question;
+mod raycast;
+mod search;
 mod snapshot;
+mod state;
+mod store;
 
+pub use describe::{BuiltStructure, Description};
+pub use distance::{Distance, Neighbor};
 pub use edit::{Edit, EditError, EditFault, EditReport, EditRule, World};
 pub use filter::Filter;
-pub use question::{
-    Contact, Distance, Found, HitMode, Impact, Meter, Neighbor, Overlap, OverlapHit, Penetration, QuestionError,
-    RayHit, Raycast, Subject, TimeOfImpact,
-};
-pub use snapshot::{BuiltStructure, Description, Mobility, Shape, ShapeId, Snapshot, Tick, Time};
+pub use impact::{Impact, TimeOfImpact};
+pub use overlap::{Overlap, OverlapHit};
+pub use penetration::{Contact, Penetration};
+pub use question::{Found, HitMode, Meter, QuestionError, Subject};
+pub use raycast::{RayHit, Raycast};
+pub use snapshot::{Mobility, Shape, ShapeId, Snapshot, Tick, Time};

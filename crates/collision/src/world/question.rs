@@ -1,15 +1,13 @@
-//! Questions to a version of a world, and their answers.
+//! What all questions to a version of a world have in common: the subject, the form of the answer, the meter.
+//! Each question has a file of its own.
 
 use std::sync::Arc;
 
-use glam::DVec3;
-
-use super::{Filter, ShapeId, Snapshot};
+use super::ShapeId;
 use crate::{
-    accuracy::Accuracy,
-    answer::{Certificate, Feature, Verdict, Work},
+    answer::{Verdict, Work},
+    broad::Toll,
     math::Pose,
-    narrow::{ContactPoint, Ray},
     shape::Geometry,
 };
 
@@ -43,69 +41,6 @@ pub enum HitMode {
     All(usize),
 }
 
-/// What does a ray hit?
-#[derive(Clone, Debug)]
-pub struct Raycast {
-    /// The ray.
-    pub ray: Ray,
-    /// Which hits to return.
-    pub mode: HitMode,
-}
-
-/// Which shapes touch the subject?
-#[derive(Clone, Debug)]
-pub struct Overlap {
-    /// What to test.
-    pub subject: Subject,
-    /// Only against this; `None` is the whole world.
-    pub against: Option<Subject>,
-    /// At most this many hits.
-    pub max_hits: usize,
-}
-
-/// How deep do shapes and the subject overlap, and where do they touch?
-#[derive(Clone, Debug)]
-pub struct Penetration {
-    /// What to test.
-    pub subject: Subject,
-    /// Only against this; `None` is the whole world.
-    pub against: Option<Subject>,
-    /// Also contacts that are still this far apart, metres.
-    pub max_gap: f64,
-    /// At most this many contacts.
-    pub max_contacts: usize,
-}
-
-/// What does the subject touch first when it goes by `displacement` without turning?
-#[derive(Clone, Debug)]
-pub struct TimeOfImpact {
-    /// What moves.
-    pub subject: Subject,
-    /// Where to, from its pose, metres.
-    pub displacement: DVec3,
-    /// Only against this; `None` is the whole world, standing still.
-    pub against: Option<Subject>,
-    /// How `against` moves in the same time, metres.
-    pub against_displacement: DVec3,
-    /// Pass over what is touched at the start and not yet clear of.
-    pub ignore_initial: bool,
-    /// Which hits to return.
-    pub mode: HitMode,
-}
-
-/// Which shapes are nearest to the subject, and how near?
-#[derive(Clone, Debug)]
-pub struct Distance {
-    /// From where.
-    pub subject: Subject,
-    /// Only to this; `None` is the whole world.
-    pub against: Option<Subject>,
-    /// Only shapes within this, metres.
-    pub max_distance: f64,
-    /// At most this many.
-    pub max_hits: usize,
-}
-
 /// A list of hits in order.
 #[derive(Clone, Debug)]
 pub struct Found<H> {
@@ -118,71 +53,6 @@ pub struct Found<H> {
     pub truncated: bool,
 }
 
-/// Where a ray hits a shape.
-#[derive(Clone, Debug)]
-pub struct RayHit {
-    /// The shape.
-    pub id: ShapeId,
-    /// The shape's.
-    pub user_data: u64,
-    /// Where, and what that is worth.
-    pub touch: crate::narrow::RayTouch,
-}
-
-/// A shape that touches the subject.
-#[derive(Clone, Debug)]
-pub struct OverlapHit {
-    /// The shape; `None` if it is a geometry given in `against`.
-    pub id: Option<ShapeId>,
-    /// The shape's.
-    pub user_data: u64,
-    /// Bounds of the signed distance, metres.
-    pub certificate: Certificate,
-}
-
-/// A contact of two convex pieces.
-#[derive(Clone, Debug)]
-pub struct Contact {
-    /// The shape; `None` if it is a geometry given in `against`.
-    pub id: Option<ShapeId>,
-    /// The shape's.
-    pub user_data: u64,
-    /// From the shape to the subject.
-    pub normal: DVec3,
-    /// Metres; negative is a gap.
-    pub depth: f64,
-    /// Where they touch: `point_on_a` is on the subject, `point_on_b` on the shape.
-    pub points: Vec<ContactPoint>,
-    /// The subject's piece.
-    pub subject_feature: Feature,
-    /// The shape's piece.
-    pub feature: Feature,
-    /// What the depth is worth.
-    pub certificate: Certificate,
-}
-
-/// The first touch of the subject and a shape.
-#[derive(Clone, Debug)]
-pub struct Impact {
-    /// The shape; `None` if it is a geometry given in `against`.
-    pub id: Option<ShapeId>,
-    /// The shape's.
-    pub user_data: u64,
-    /// When and where; `b` is the shape.
-    pub touch: crate::narrow::ImpactTouch,
-}
-
-/// A shape near the subject.
-#[derive(Clone, Debug)]
-pub struct Neighbor {
-    /// The shape; `None` if it is a geometry given in `against`.
-    pub id: Option<ShapeId>,
-    /// The shape's.
-    pub user_data: u64,
-    /// How far and where; `a` is the subject, `b` the shape.
-    pub separation: crate::narrow::Separation,
-}
-
 /// Why a question has no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum QuestionError {
@@ -193,7 +63,7 @@ pub enum QuestionError {
     #[error("there is no shape {0}")]
     AgainstNotFound(ShapeId),
     /// Depth between two meshes needs convex parts.
-    #[error("shape {0:?} and the subject are both meshes without convex parts")]
+    #[error("{} and the subject are both meshes without convex parts", .0.map_or("what it is tested against".into(), |id| format!("shape {id}")))]
     NeedsDecomposition(Option<ShapeId>),
     /// The caller's check said to stop.
     #[error("the question was interrupted")]
@@ -221,6 +91,15 @@ impl<'a> Meter<'a> {
         }
     }
 
+    /// Counts a shape whose geometry is looked at.
+    ///
+    /// # Errors
+    /// As [`Meter::spend`].
+    pub(super) fn look(&mut self) -> Result<(), QuestionError> {
+        self.work.shapes_tested += 1;
+        self.spend()
+    }
+
     /// Spends one unit.
     ///
     /// # Errors
@@ -237,74 +116,12 @@ impl<'a> Meter<'a> {
     }
 }
 
-impl Snapshot {
-    /// What a ray hits.
-    ///
-    /// # Errors
-    /// [`QuestionError::Interrupted`].
-    pub fn raycast(
-        &self,
-        _question: &Raycast,
-        _filter: &Filter,
-        _accuracy: &Accuracy,
-        _meter: &mut Meter<'_>,
-    ) -> Result<Found<RayHit>, QuestionError> {
-        todo!()
-    }
+/// The work of a question is told node by node, so that its caller can end it anywhere.
+impl Toll for Meter<'_> {
+    type Stop = QuestionError;
 
-    /// Which shapes touch the subject, by id.
-    ///
-    /// # Errors
-    /// A shape that is not there, [`QuestionError::Interrupted`].
-    pub fn overlap(
-        &self,
-        _question: &Overlap,
-        _filter: &Filter,
-        _accuracy: &Accuracy,
-        _meter: &mut Meter<'_>,
-    ) -> Result<Found<OverlapHit>, QuestionError> {
-        todo!()
-    }
-
-    /// How deep shapes and the subject overlap; deepest first.
-    ///
-    /// # Errors
-    /// A shape that is not there, [`QuestionError::NeedsDecomposition`], [`QuestionError::Interrupted`].
-    pub fn penetration(
-        &self,
-        _question: &Penetration,
-        _filter: &Filter,
-        _accuracy: &Accuracy,
-        _meter: &mut Meter<'_>,
-    ) -> Result<Found<Contact>, QuestionError> {
-        todo!()
-    }
-
-    /// What the moving subject touches first.
-    ///
-    /// # Errors
-    /// A shape that is not there, [`QuestionError::Interrupted`].
-    pub fn time_of_impact(
-        &self,
-        _question: &TimeOfImpact,
-        _filter: &Filter,
-        _accuracy: &Accuracy,
-        _meter: &mut Meter<'_>,
-    ) -> Result<Found<Impact>, QuestionError> {
-        todo!()
-    }
-
-    /// Which shapes are nearest to the subject.
-    ///
-    /// # Errors
-    /// A shape that is not there, [`QuestionError::Interrupted`].
-    pub fn distance(
-        &self,
-        _question: &Distance,
-        _filter: &Filter,
-        _accuracy: &Accuracy,
-        _meter: &mut Meter<'_>,
-    ) -> Result<Found<Neighbor>, QuestionError> {
-        todo!()
+    fn pay(&mut self) -> Result<(), QuestionError> {
+        self.work.nodes_visited += 1;
+        self.spend()
     }
 }

@@ -4,6 +4,7 @@ use std::{num::NonZeroU64, sync::Arc};
 
 use glam::DVec3;
 
+use super::state::State;
 use crate::{
     math::{Aabb, Pose},
     shape::Geometry,
@@ -58,61 +59,31 @@ pub struct Shape {
     pub angular_velocity: DVec3,
 }
 
-/// One version of a world.
+/// One version of a world. It never changes; any number of readers question it at once without waiting.
 #[derive(Debug)]
-pub struct Snapshot {}
-
-/// What a version holds, what was built for it and what that costs.
-#[derive(Clone, Debug)]
-pub struct Description {
-    /// The version.
-    pub tick: Tick,
-    /// When it was made.
-    pub time: Time,
-    /// Shapes.
-    pub shape_count: u64,
-    /// Of those, the static ones.
-    pub static_count: u64,
-    /// Canonical bounds of all shapes; `None` in an empty world.
-    pub bounds: Option<Aabb>,
-    /// Surface-area cost of the dynamic tree, 1 being that of a fresh one.
-    pub tree_cost: f64,
-    /// Levels of the dynamic tree.
-    pub tree_depth: u32,
-    /// What was built.
-    pub built: Vec<BuiltStructure>,
-    /// All memory the version holds, bytes.
-    pub memory_bytes: u64,
-}
-
-/// Something that was built because a question or an edit first needed it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BuiltStructure {
-    /// `dynamic_tree`, `static_tree`, `mesh_tree`.
-    pub name: &'static str,
-    /// How many of them.
-    pub count: u64,
-    /// What they hold in memory, bytes.
-    pub memory_bytes: u64,
+pub struct Snapshot {
+    pub(super) tick: Tick,
+    pub(super) time: Time,
+    pub(super) state: State,
 }
 
 impl Snapshot {
     /// Its version.
     #[must_use]
     pub fn tick(&self) -> Tick {
-        todo!()
+        self.tick
     }
 
     /// When it was made.
     #[must_use]
     pub fn time(&self) -> Time {
-        todo!()
+        self.time
     }
 
     /// How many shapes it holds.
     #[must_use]
     pub fn len(&self) -> usize {
-        todo!()
+        self.state.shapes.len()
     }
 
     /// Whether it holds none.
@@ -123,20 +94,27 @@ impl Snapshot {
 
     /// A shape.
     #[must_use]
-    pub fn shape(&self, _id: ShapeId) -> Option<&Shape> {
-        todo!()
+    pub fn shape(&self, id: ShapeId) -> Option<&Shape> {
+        self.state.get(id).map(|entry| &entry.shape)
+    }
+
+    /// The canonical box of a shape, rounded outwards, metres.
+    #[must_use]
+    pub fn bounds_of(&self, id: ShapeId) -> Option<Aabb> {
+        self.state.get(id).map(|entry| entry.bounds)
     }
 
     /// Shapes after `after`, by id; all from the first with `None`. At most `most` of them, and only those whose
     /// canonical boxes touch `bounds`, if that is given.
     #[must_use]
-    pub fn shapes_after(&self, _after: Option<ShapeId>, _most: usize, _bounds: Option<Aabb>) -> Vec<&Shape> {
-        todo!()
-    }
-
-    /// What it holds and what was built for it. Costs a pass over all shapes.
-    #[must_use]
-    pub fn describe(&self) -> Description {
-        todo!()
+    pub fn shapes_after(&self, after: Option<ShapeId>, most: usize, bounds: Option<Aabb>) -> Vec<&Shape> {
+        self.state
+            .ids
+            .after(after)
+            .map(|(_, slot)| self.state.shapes.entry(slot))
+            .filter(|entry| bounds.is_none_or(|bounds| bounds.intersects(entry.bounds)))
+            .take(most)
+            .map(|entry| &entry.shape)
+            .collect()
     }
 }

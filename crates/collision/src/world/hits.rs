@@ -1,0 +1,226 @@
+//! Which hits are kept while a question runs, and what need not be looked at any more.
+//!
+//! # Method
+//! What is kept may not depend on the order in which a tree offers shapes. So a shape may be passed over only if the
+//! lower bound of its canonical box is above a number that is the same in any order at the end: the least upper bound
+//! of all certain hits, or the value of the last hit that still has a place in the list. All lower bounds are raised to
+//! that of the canonical box, so that nothing passed over could have been kept.
+
+use std::{cmp::Ordering, collections::BinaryHeap};
+
+use super::{Found, HitMode, ShapeId};
+use crate::answer::{Certificate, Verdict};
+
+/// A hit that has a value to be ordered by.
+pub(super) trait Hit {
+    /// Metres, or a fraction of the motion.
+    fn value(&self) -> f64;
+    /// The shape.
+    fn id(&self) -> Option<ShapeId>;
+    /// What the value is worth.
+    fn certificate(&self) -> &Certificate;
+}
+
+/// By value, equal ones by id.
+fn order<H: Hit>(a: &H, b: &H) -> Ordering {
+    a.value().total_cmp(&b.value()).then_with(|| a.id().cmp(&b.id()))
+}
+
+/// `Hit` if one is certain, `Undecided` if one is open, else `Miss`.
+pub(super) fn verdict<'a>(certificates: impl Iterator<Item = &'a Certificate>) -> Verdict {
+    certificates.fold(Verdict::Miss, |all, certificate| match (all, certificate.verdict) {
+        (Verdict::Hit, _) | (_, Verdict::Hit) => Verdict::Hit,
+        (Verdict::Undecided, _) | (_, Verdict::Undecided) => Verdict::Undecided,
+        (Verdict::Miss, Verdict::Miss) => Verdict::Miss,
+    })
+}
+
+/// Raises a lower bound, and the value with it, to what the canonical box proves.
+pub(super) fn raise(value: &mut f64, certificate: &mut Certificate, least: f64) {
+    if certificate.bound.lower < least {
+        certificate.bound.lower = least;
+        certificate.bound.upper = certificate.bound.upper.max(least);
+        *value = value.max(least);
+    }
+}
+
+/// The best hits by value and id, a given number of them.
+pub(super) struct Best<H> {
+    most: usize,
+    worst_first: BinaryHeap<Ranked<H>>,
+}
+
+struct Ranked<H>(H);
+
+impl<H: Hit> Ord for Ranked<H> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        order(&self.0, &other.0)
+    }
+}
+
+impl<H: Hit> PartialOrd for Ranked<H> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<H: Hit> PartialEq for Ranked<H> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl<H: Hit> Eq for Ranked<H> {}
+
+impl<H: Hit> Best<H> {
+    /// None yet, and `most` at the end.
+    pub(super) fn new(most: usize) -> Self {
+        Self {
+            most,
+            worst_first: BinaryHeap::new(),
+        }
+    }
+
+    /// Takes a hit, and gives up the worst if there are too many.
+    pub(super) fn add(&mut self, hit: H) {
+        self.worst_first.push(Ranked(hit));
+        if self.worst_first.len() > self.most {
+            self.worst_first.pop();
+        }
+    }
+
+    /// A hit whose value is above this has no place.
+    pub(super) fn limit(&self) -> f64 {
+        if self.worst_first.len() < self.most {
+            return f64::INFINITY;
+        }
+        self.worst_first
+            .peek()
+            .map_or(f64::NEG_INFINITY, |worst| worst.0.value())
+    }
+
+    /// The best first.
+    pub(super) fn into_sorted(self) -> Vec<H> {
+        self.worst_first
+            .into_sorted_vec()
+            .into_iter()
+            .map(|ranked| ranked.0)
+            .collect()
+    }
+}
+
+/// The hits of a ray or a motion, as its mode wants them.
+pub(super) enum Gathered<H> {
+    /// As [`HitMode::Closest`].
+    Closest {
+        /// The certain hit of least value.
+        certain: Option<H>,
+        /// Those that may come before it.
+        undecided: Vec<H>,
+        /// The least upper bound of all certain hits.
+        limit: f64,
+    },
+    /// As [`HitMode::Any`].
+    Any {
+        /// The first that was found.
+        certain: Option<H>,
+        /// Those found before.
+        undecided: Vec<H>,
+    },
+    /// As [`HitMode::All`], with one more, which says that there are more.
+    All(Best<H>),
+}
+
+impl<H: Hit> Gathered<H> {
+    /// Nothing yet.
+    pub(super) fn new(mode: HitMode) -> Self {
+        match mode {
+            HitMode::Closest => Self::Closest {
+                certain: None,
+                undecided: Vec::new(),
+                limit: f64::INFINITY,
+            },
+            HitMode::Any => Self::Any {
+                certain: None,
+                undecided: Vec::new(),
+            },
+            HitMode::All(most) => Self::All(Best::new(most.saturating_add(1))),
+        }
+    }
+
+    /// Takes what was found on one shape: a certain hit, and an undecided one that may come before it.
+    pub(super) fn add(&mut self, found_certain: Option<H>, found_undecided: Option<H>) {
+        match self {
+            Self::Closest {
+                certain,
+                undecided,
+                limit,
+            } => {
+                undecided.extend(found_undecided);
+                if let Some(hit) = found_certain {
+                    *limit = limit.min(hit.certificate().bound.upper);
+                    if certain.as_ref().is_none_or(|best| order(&hit, best).is_lt()) {
+                        *certain = Some(hit);
+                    }
+                }
+            }
+            Self::Any { certain, undecided } => {
+                undecided.extend(found_undecided);
+                *certain = certain.take().or(found_certain);
+            }
+            Self::All(best) => {
+                if let Some(hit) = found_certain.or(found_undecided) {
+                    best.add(hit);
+                }
+            }
+        }
+    }
+
+    /// What lies surely beyond this need not be looked at.
+    pub(super) fn limit(&self) -> f64 {
+        match self {
+            Self::Closest { limit, .. } => *limit,
+            Self::Any { certain: Some(_), .. } => f64::NEG_INFINITY,
+            Self::Any { certain: None, .. } => f64::INFINITY,
+            Self::All(best) => best.limit(),
+        }
+    }
+
+    /// The answer.
+    pub(super) fn finish(self) -> Found<H> {
+        let (hits, truncated) = match self {
+            Self::Closest {
+                certain,
+                mut undecided,
+                limit,
+            } => {
+                undecided.retain(|hit| hit.certificate().bound.lower < limit);
+                undecided.sort_by(order);
+                undecided.extend(certain);
+                (undecided, false)
+            }
+            Self::Any {
+                certain: Some(certain), ..
+            } => (vec![certain], false),
+            Self::Any {
+                certain: None,
+                mut undecided,
+            } => {
+                undecided.sort_by(order);
+                (undecided, false)
+            }
+            Self::All(best) => {
+                let most = best.most - 1;
+                let mut hits = best.into_sorted();
+                let truncated = hits.len() > most;
+                hits.truncate(most);
+                (hits, truncated)
+            }
+        };
+        Found {
+            verdict: verdict(hits.iter().map(Hit::certificate)),
+            hits,
+            truncated,
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Which shapes touch the subject?
+
+use super::{Filter, Found, Meter, QuestionError, ShapeId, Snapshot, Subject, hits::verdict, search::Side};
+use crate::{
+    accuracy::Accuracy,
+    answer::{Certificate, Verdict},
+    narrow,
+};
+
+/// Which shapes touch the subject?
+#[derive(Clone, Debug)]
+pub struct Overlap {
+    /// What to test.
+    pub subject: Subject,
+    /// Only against this; `None` is the whole world.
+    pub against: Option<Subject>,
+    /// At most this many hits.
+    pub max_hits: usize,
+}
+
+/// A shape that touches the subject.
+#[derive(Clone, Debug)]
+pub struct OverlapHit {
+    /// The shape; `None` if it is a geometry given in `against`.
+    pub id: Option<ShapeId>,
+    /// The shape's.
+    pub user_data: u64,
+    /// Bounds of the signed distance, metres.
+    pub certificate: Certificate,
+}
+
+impl Snapshot {
+    /// Which shapes touch the subject, or may do so, by id; if there are more than asked for, those of the lowest ids.
+    ///
+    /// # Errors
+    /// A shape that is not there, [`QuestionError::Interrupted`].
+    pub fn overlap(
+        &self,
+        question: &Overlap,
+        filter: &Filter,
+        accuracy: &Accuracy,
+        meter: &mut Meter<'_>,
+    ) -> Result<Found<OverlapHit>, QuestionError> {
+        let subject = self.subject(&question.subject)?;
+        let others = match self.against(question.against.as_ref())? {
+            Some(other) => vec![other],
+            None => self.seen_in(subject.bounds, subject.shape, filter, meter)?,
+        };
+        let mut hits = Vec::new();
+        let mut truncated = false;
+        for other in others.iter().filter(|other| other.bounds.intersects(subject.bounds)) {
+            if let Some(hit) = touch(&subject, other, accuracy, meter)? {
+                // The search was in order of ids: what comes now has a higher one.
+                if hits.len() == question.max_hits {
+                    truncated = true;
+                    break;
+                }
+                hits.push(hit);
+            }
+        }
+        Ok(Found {
+            verdict: verdict(hits.iter().map(|hit| &hit.certificate)),
+            hits,
+            truncated,
+        })
+    }
+}
+
+/// `None` if it is proved that they do not touch.
+fn touch(
+    subject: &Side<'_>,
+    other: &Side<'_>,
+    accuracy: &Accuracy,
+    meter: &mut Meter<'_>,
+) -> Result<Option<OverlapHit>, QuestionError> {
+    meter.look()?;
+    let certificate = narrow::overlap(subject.placed, other.placed, accuracy, &mut meter.work);
+    Ok((certificate.verdict != Verdict::Miss).then(|| OverlapHit {
+        id: other.id(),
+        user_data: other.user_data(),
+        certificate,
+    }))
+}

@@ -1,0 +1,114 @@
+//! How deep do shapes and the subject overlap, and where do they touch?
+
+use std::cmp::Ordering;
+
+use glam::DVec3;
+
+use super::{
+    Filter, Found, Meter, QuestionError, ShapeId, Snapshot, Subject,
+    hits::verdict,
+    search::{Side, outward},
+};
+use crate::{
+    accuracy::Accuracy,
+    answer::{Certificate, Feature},
+    narrow::{self, ContactPoint},
+};
+
+/// How deep do shapes and the subject overlap, and where do they touch?
+#[derive(Clone, Debug)]
+pub struct Penetration {
+    /// What to test.
+    pub subject: Subject,
+    /// Only against this; `None` is the whole world.
+    pub against: Option<Subject>,
+    /// Also contacts that are still this far apart, metres.
+    pub max_gap: f64,
+    /// At most this many contacts.
+    pub max_contacts: usize,
+}
+
+/// A contact of two convex pieces.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// The shape; `None` if it is a geometry given in `against`.
+    pub id: Option<ShapeId>,
+    /// The shape's.
+    pub user_data: u64,
+    /// From the shape to the subject.
+    pub normal: DVec3,
+    /// Metres; negative is a gap.
+    pub depth: f64,
+    /// Where they touch: `point_on_a` is on the subject, `point_on_b` on the shape.
+    pub points: Vec<ContactPoint>,
+    /// The subject's piece.
+    pub subject_feature: Feature,
+    /// The shape's piece.
+    pub feature: Feature,
+    /// What the depth is worth.
+    pub certificate: Certificate,
+}
+
+impl Snapshot {
+    /// How deep shapes and the subject overlap; deepest first, equal ones by id, then by piece.
+    ///
+    /// # Errors
+    /// A shape that is not there, [`QuestionError::NeedsDecomposition`], [`QuestionError::Interrupted`].
+    pub fn penetration(
+        &self,
+        question: &Penetration,
+        filter: &Filter,
+        accuracy: &Accuracy,
+        meter: &mut Meter<'_>,
+    ) -> Result<Found<Contact>, QuestionError> {
+        let subject = self.subject(&question.subject)?;
+        let query = outward(subject.bounds, question.max_gap);
+        let others = match self.against(question.against.as_ref())? {
+            Some(other) => vec![other],
+            None => self.seen_in(query, subject.shape, filter, meter)?,
+        };
+        let mut hits = Vec::new();
+        for other in others.iter().filter(|other| other.bounds.intersects(query)) {
+            meter.look()?;
+            let contacts = narrow::penetration(
+                subject.placed,
+                other.placed,
+                question.max_gap,
+                accuracy,
+                &mut meter.work,
+            )
+            .map_err(|_| QuestionError::NeedsDecomposition(other.id()))?;
+            hits.extend(contacts.into_iter().map(|contact| of_shape(contact, other)));
+        }
+        hits.sort_by(deepest_first);
+        let truncated = hits.len() > question.max_contacts;
+        hits.truncate(question.max_contacts);
+        Ok(Found {
+            verdict: verdict(hits.iter().map(|hit| &hit.certificate)),
+            hits,
+            truncated,
+        })
+    }
+}
+
+fn of_shape(contact: narrow::Contact, other: &Side<'_>) -> Contact {
+    Contact {
+        id: other.id(),
+        user_data: other.user_data(),
+        normal: contact.normal_b_to_a,
+        depth: contact.depth,
+        points: contact.points,
+        subject_feature: contact.feature_a,
+        feature: contact.feature_b,
+        certificate: contact.certificate,
+    }
+}
+
+fn deepest_first(a: &Contact, b: &Contact) -> Ordering {
+    let piece = |feature: Feature| (feature.part, feature.face);
+    b.depth
+        .total_cmp(&a.depth)
+        .then_with(|| a.id.cmp(&b.id))
+        .then_with(|| piece(a.subject_feature).cmp(&piece(b.subject_feature)))
+        .then_with(|| piece(a.feature).cmp(&piece(b.feature)))
+}

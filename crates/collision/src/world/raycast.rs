@@ -1,0 +1,132 @@
+//! What does a ray hit?
+
+use glam::DVec3;
+
+use super::{
+    Filter, Found, HitMode, Meter, QuestionError, ShapeId, Snapshot,
+    filter::Sieve,
+    hits::{Gathered, Hit, raise},
+    search::Side,
+    store::Entry,
+};
+use crate::{
+    accuracy::Accuracy,
+    answer::Certificate,
+    broad::Path,
+    narrow::{self, Ray, RayTouch},
+    tolerance,
+};
+
+/// What does a ray hit?
+#[derive(Clone, Debug)]
+pub struct Raycast {
+    /// The ray.
+    pub ray: Ray,
+    /// Which hits to return.
+    pub mode: HitMode,
+}
+
+/// Where a ray hits a shape.
+#[derive(Clone, Debug)]
+pub struct RayHit {
+    /// The shape.
+    pub id: ShapeId,
+    /// The shape's.
+    pub user_data: u64,
+    /// Where, and what that is worth.
+    pub touch: RayTouch,
+}
+
+impl Hit for RayHit {
+    fn value(&self) -> f64 {
+        self.touch.distance
+    }
+
+    fn id(&self) -> Option<ShapeId> {
+        Some(self.id)
+    }
+
+    fn certificate(&self) -> &Certificate {
+        &self.touch.certificate
+    }
+}
+
+/// A ray as a path of the trees, which count multiples of the direction where the ray counts metres.
+struct Track {
+    path: Path,
+    /// Length of the path's direction.
+    length: f64,
+}
+
+impl Track {
+    fn new(ray: &Ray) -> Self {
+        let direction = ray.direction * power_of_two_towards_one(ray.direction.abs().max_element());
+        Self {
+            path: Path {
+                origin: ray.origin,
+                direction,
+                reach: DVec3::ZERO,
+            },
+            length: direction.length(),
+        }
+    }
+
+    /// The `t` of a distance, so much too large that no box is lost by it.
+    fn limit(&self, distance: f64) -> f64 {
+        distance / self.length * tolerance::LIMIT_WIDENING
+    }
+
+    /// Metres before which the ray does not enter the canonical box of a shape; `None` if it does not up to `limit`.
+    fn entry(&self, entry: &Entry, limit: f64) -> Option<f64> {
+        let t = self.path.entry(&entry.bounds, self.limit(limit))?;
+        let distance = t * self.length * tolerance::SLAB_NARROWING;
+        (distance <= limit).then_some(distance)
+    }
+}
+
+/// What brings a number to where its square neither overflows nor vanishes, without changing a digit of it.
+fn power_of_two_towards_one(value: f64) -> f64 {
+    if value > f64::powi(2.0, 400) {
+        f64::powi(2.0, -800)
+    } else if value < f64::powi(2.0, -400) {
+        f64::powi(2.0, 800)
+    } else {
+        1.0
+    }
+}
+
+impl Snapshot {
+    /// What a ray hits.
+    ///
+    /// # Errors
+    /// [`QuestionError::Interrupted`].
+    pub fn raycast(
+        &self,
+        question: &Raycast,
+        filter: &Filter,
+        accuracy: &Accuracy,
+        meter: &mut Meter<'_>,
+    ) -> Result<Found<RayHit>, QuestionError> {
+        let ray = &question.ray;
+        let track = Track::new(ray);
+        let sieve = Sieve::new(filter, None);
+        let mut gathered = Gathered::new(question.mode);
+        self.along(&track.path, track.limit(ray.max_distance), meter, |meter, entry| {
+            let limit = gathered.limit().min(ray.max_distance);
+            if let Some(least) = track.entry(entry, limit)
+                && sieve.passes(&entry.shape)
+            {
+                meter.look()?;
+                let touches = narrow::raycast(ray, Side::of(entry).placed, accuracy, &mut meter.work);
+                let hit = |mut touch: RayTouch| {
+                    raise(&mut touch.distance, &mut touch.certificate, least);
+                    let (id, user_data) = (entry.shape.id, entry.shape.user_data);
+                    RayHit { id, user_data, touch }
+                };
+                gathered.add(touches.certain.map(hit), touches.undecided.map(hit));
+            }
+            Ok(track.limit(gathered.limit()))
+        })?;
+        Ok(gathered.finish())
+    }
+}

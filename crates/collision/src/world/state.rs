@@ -1,0 +1,188 @@
+//! What a version of a world is made of, and the edits on it.
+
+use std::sync::{Arc, OnceLock};
+
+use super::{
+    Edit, Mobility, Shape, ShapeId,
+    directory::Directory,
+    edit::Motion,
+    store::{Entry, Slot, Store},
+};
+use crate::{
+    broad::{DynamicTree, StaticTree},
+    math::{Aabb, Pose},
+};
+
+/// Shapes and the trees over them. Clones share everything until one of them writes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct State {
+    pub(super) shapes: Store,
+    pub(super) ids: Directory,
+    /// Over the dynamic and kinematic shapes; leaf numbers are slots.
+    pub(super) moving: DynamicTree,
+    pub(super) static_count: usize,
+    /// Over the static shapes, built by the first question. Shared by all versions with the same static shapes.
+    fixed: Arc<OnceLock<Fixed>>,
+}
+
+/// The tree over the static shapes.
+#[derive(Debug, Default)]
+pub(super) struct Fixed {
+    pub(super) tree: StaticTree,
+    /// The slot of each leaf.
+    slots: Vec<Slot>,
+}
+
+impl Fixed {
+    fn build(shapes: &Store) -> Self {
+        let (slots, boxes): (Vec<Slot>, Vec<Aabb>) = shapes
+            .iter()
+            .filter(|(_, entry)| entry.leaf.is_none())
+            .map(|(slot, entry)| (slot, entry.bounds))
+            .unzip();
+        Self {
+            tree: StaticTree::build(&boxes),
+            slots,
+        }
+    }
+
+    /// The slot of a leaf.
+    pub(super) fn slot(&self, leaf: u32) -> Slot {
+        self.slots[leaf as usize]
+    }
+
+    /// Bytes it holds in memory.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        self.tree.memory_bytes() + (self.slots.capacity() * size_of::<Slot>()) as u64
+    }
+}
+
+/// How fat the box of a shape is, as a multiple of the way of its last move. At 3, a shape that goes straight on leaves
+/// its fat box at every fourth tick; 2 to 4 measured best. Smaller changes the tree more often, larger offers more shapes
+/// to the questions. Answers do not depend on it.
+const MARGIN_PER_STEP: f64 = 3.0;
+
+/// The fat margin at most, as a multiple of the largest extent of the box: a shape that goes far beyond its own size at
+/// each tick leaves any fat box, and must not spoil the tree with a huge one.
+const MARGIN_PER_EXTENT: f64 = 0.5;
+
+impl State {
+    /// A shape and its box.
+    pub(super) fn get(&self, id: ShapeId) -> Option<&Entry> {
+        self.ids.get(id).map(|slot| self.shapes.entry(slot))
+    }
+
+    /// The tree over the static shapes, if it was built.
+    pub(super) fn fixed_if_built(&self) -> Option<&Fixed> {
+        self.fixed.get()
+    }
+
+    /// The tree over the static shapes; the first call builds it.
+    pub(super) fn fixed(&self) -> &Fixed {
+        self.fixed.get_or_init(|| Fixed::build(&self.shapes))
+    }
+
+    /// Applies one edit and says how many shapes it changed; `Err` names the shape that it needs and that is not there.
+    pub(super) fn apply(&mut self, edit: Edit) -> Result<u64, ShapeId> {
+        match edit {
+            Edit::Insert(shape) => {
+                self.insert(shape);
+                Ok(1)
+            }
+            Edit::Move {
+                id,
+                position,
+                rotation,
+                velocity,
+                angular_velocity,
+                teleport,
+            } => {
+                let slot = self.ids.get(id).ok_or(id)?;
+                let motion = if teleport {
+                    Motion::Teleported
+                } else {
+                    Motion::Travelled
+                };
+                let shape = &mut self.shapes.entry_mut(slot).shape;
+                shape.velocity = velocity.unwrap_or(shape.velocity);
+                shape.angular_velocity = angular_velocity.unwrap_or(shape.angular_velocity);
+                let pose = Pose {
+                    position: position.unwrap_or(shape.pose.position),
+                    rotation: rotation.unwrap_or(shape.pose.rotation),
+                };
+                self.place(slot, pose, motion);
+                Ok(1)
+            }
+            Edit::Remove(id) => Ok(u64::from(self.remove(id))),
+            Edit::Clear => {
+                let count = self.shapes.len() as u64;
+                *self = Self::default();
+                Ok(count)
+            }
+        }
+    }
+
+    fn insert(&mut self, shape: Shape) {
+        self.remove(shape.id);
+        let id = shape.id;
+        let is_static = shape.mobility == Mobility::Static;
+        let bounds = shape.geometry.bounds(&shape.pose);
+        let leaf = None;
+        let slot = self.shapes.insert(Entry { shape, bounds, leaf });
+        self.ids.insert(id, slot);
+        if is_static {
+            self.static_count += 1;
+            self.forget_fixed();
+        } else {
+            // How fast it moves is not known yet, and most shapes of a level never do.
+            self.shapes.entry_mut(slot).leaf = Some(self.moving.insert(slot.0, bounds, 0.0));
+        }
+    }
+
+    /// Whether it was there.
+    fn remove(&mut self, id: ShapeId) -> bool {
+        let Some(slot) = self.ids.remove(id) else {
+            return false;
+        };
+        match self.shapes.entry(slot).leaf {
+            Some(leaf) => self.moving.remove(leaf),
+            None => {
+                self.static_count -= 1;
+                self.forget_fixed();
+            }
+        }
+        self.shapes.remove(slot);
+        true
+    }
+
+    fn place(&mut self, slot: Slot, pose: Pose, motion: Motion) {
+        let entry = self.shapes.entry_mut(slot);
+        if entry.shape.pose == pose {
+            // Equal, but perhaps −0 for 0: what was sent is what is kept.
+            entry.shape.pose = pose;
+            return;
+        }
+        let bounds = entry.shape.geometry.bounds(&pose);
+        let step = match motion {
+            Motion::Travelled => bounds.center().distance(entry.bounds.center()),
+            Motion::Teleported => 0.0,
+        };
+        entry.shape.pose = pose;
+        entry.bounds = bounds;
+        match entry.leaf {
+            Some(leaf) => {
+                let extent = (bounds.max - bounds.min).max_element();
+                let margin = (MARGIN_PER_STEP * step).min(MARGIN_PER_EXTENT * extent);
+                self.moving.update(leaf, bounds, margin);
+            }
+            None => self.forget_fixed(),
+        }
+    }
+
+    /// The static shapes changed: the next question builds their tree anew. Versions that were handed out keep theirs.
+    fn forget_fixed(&mut self) {
+        if Arc::strong_count(&self.fixed) > 1 || self.fixed.get().is_some() {
+            self.fixed = Arc::default();
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Where the shapes of a world are kept.
+
+use crate::{broad::NodeIndex, math::Aabb, pages::Pages, world::Shape};
+
+/// Where a shape is kept; used again when the shape is gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Slot(pub(super) u32);
+
+/// A shape and what is derived from it.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    /// The shape.
+    pub(super) shape: Shape,
+    /// Its canonical box: the first judge of every question.
+    pub(super) bounds: Aabb,
+    /// Its leaf in the dynamic tree; `None` for a static shape.
+    pub(super) leaf: Option<NodeIndex>,
+}
+
+#[derive(Clone, Debug)]
+enum Place {
+    Taken(Entry),
+    /// Free; the next free one.
+    Free(Option<u32>),
+}
+
+impl Default for Place {
+    fn default() -> Self {
+        Self::Free(None)
+    }
+}
+
+/// The shapes by slot. Clones share pages until one of them writes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Store {
+    places: Pages<Place>,
+    free: Option<u32>,
+    len: usize,
+}
+
+impl Store {
+    /// How many shapes there are.
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// What is in a slot.
+    ///
+    /// # Panics
+    /// If the slot is free: slots come from the directory and the trees, which hold taken ones only.
+    pub(super) fn entry(&self, slot: Slot) -> &Entry {
+        match &self.places[slot.0 as usize] {
+            Place::Taken(entry) => entry,
+            Place::Free(_) => panic!("slot {} is free", slot.0),
+        }
+    }
+
+    /// As [`Store::entry`], to change it.
+    pub(super) fn entry_mut(&mut self, slot: Slot) -> &mut Entry {
+        match &mut self.places[slot.0 as usize] {
+            Place::Taken(entry) => entry,
+            Place::Free(_) => panic!("slot {} is free", slot.0),
+        }
+    }
+
+    /// Keeps an entry in a slot that was free.
+    pub(super) fn insert(&mut self, entry: Entry) -> Slot {
+        self.len += 1;
+        let Some(slot) = self.free else {
+            self.places.push(Place::Taken(entry));
+            return Slot((self.places.len() - 1) as u32);
+        };
+        if let Place::Free(next) = self.places[slot as usize] {
+            self.free = next;
+        }
+        self.places[slot as usize] = Place::Taken(entry);
+        Slot(slot)
+    }
+
+    /// Frees a slot.
+    pub(super) fn remove(&mut self, slot: Slot) {
+        self.places[slot.0 as usize] = Place::Free(self.free);
+        self.free = Some(slot.0);
+        self.len -= 1;
+    }
+
+    /// All entries, by slot.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (Slot, &Entry)> {
+        (0..).zip(self.places.iter()).filter_map(|(slot, place)| match place {
+            Place::Taken(entry) => Some((Slot(slot), entry)),
+            Place::Free(_) => None,
+        })
+    }
+
+    /// Bytes it holds in memory, what it shares with its clones included, geometries not.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        self.places.memory_bytes()
+    }
+}
