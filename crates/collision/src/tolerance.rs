@@ -90,3 +90,8 @@ pub const EXACT_MEETING: f64 = 32.0 * ROUNDING;
 /// because its `t` is beyond the limit must be beyond it in metres as well, or answers would depend on the tree. Larger
 /// only visits more nodes. Pinned by `tests/world_questions.rs`.
 pub const LIMIT_WIDENING: f64 = 1.0 + 64.0 * ROUNDING;
+
+/// One form's pose in the frame of another is off by less than this part of their distance and reach: 111 roundings for a
+/// position turned into the frame, and 4 · 30 · √3 for the product of two rounded unit quaternions as a rotation, 319
+/// together. Larger: more triangles are looked at; smaller: one might not be. Test: `pieces_data.rs`.
+pub const RELATIVE_POSE: f64 = 512.0 * ROUNDING;
