@@ -10,5 +10,17 @@ pub mod config;
 pub mod observe;
 pub mod serve;
 
+mod compute;
+mod convert;
+mod deadline;
+mod fence;
+mod gate;
+mod geometries;
+mod lease;
 mod problem;
+mod registry;
+mod retry;
 mod rpc;
+mod session;
+mod token;
+mod writer;

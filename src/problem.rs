@@ -33,7 +33,6 @@ pub(crate) enum Reason {
     NoToken,
     RoleTooLow,
     NotYet,
-    SessionEnded,
     Stopping,
     WorldQuarantined,
     Internal,
@@ -65,7 +64,6 @@ impl Reason {
             Self::NoToken => (Code::Unauthenticated, "NO_TOKEN"),
             Self::RoleTooLow => (Code::PermissionDenied, "ROLE_TOO_LOW"),
             Self::NotYet => (Code::Unimplemented, "NOT_YET"),
-            Self::SessionEnded => (Code::Aborted, "SESSION_ENDED"),
             Self::Stopping => (Code::Unavailable, "STOPPING"),
             Self::WorldQuarantined => (Code::Internal, "WORLD_QUARANTINED"),
             Self::Internal => (Code::Internal, "INTERNAL"),
@@ -79,7 +77,7 @@ pub(crate) struct Problem {
     reason: Reason,
     /// Where, such as `edits[3].insert.pose.position.x`; empty where no field is to blame.
     field: String,
-    /// The rest of the sentence, which begins with the field if there is one.
+    /// The rest of the sentence, which begins with the field if there is one; or a sentence after a colon.
     what: String,
     /// The shape concerned; 0 if none.
     shape_id: u64,
@@ -107,6 +105,17 @@ impl Problem {
         }
     }
 
+    /// Whether it is of this kind.
+    pub(crate) fn is(&self, reason: Reason) -> bool {
+        self.reason == reason
+    }
+
+    /// The same, of another field.
+    pub(crate) fn at_field(mut self, field: String) -> Self {
+        self.field = field;
+        self
+    }
+
     /// The same, with the shape concerned.
     pub(crate) fn with_shape(mut self, id: u64) -> Self {
         self.shape_id = id;
@@ -131,6 +140,8 @@ impl Problem {
     fn message(&self) -> String {
         if self.field.is_empty() {
             self.what.clone()
+        } else if self.what.starts_with(':') {
+            format!("{}{}", self.field, self.what)
         } else {
             format!("{} {}", self.field, self.what)
         }
@@ -147,6 +158,12 @@ impl Problem {
             shape_id: self.shape_id,
             sequence: 0,
         }
+    }
+}
+
+impl std::fmt::Display for Problem {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message())
     }
 }
 

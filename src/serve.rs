@@ -5,7 +5,7 @@
 //! `TcpIncoming` sets TCP_NODELAY itself, because tonic ignores its own setting when it is given a listener; without it
 //! a small call takes 40 ms and more.
 
-use std::{io, net::SocketAddr, time::Duration};
+use std::{io, net::SocketAddr, sync::Arc, time::Duration};
 
 use axum::routing::get;
 use hyper_util::rt::TokioIo;
@@ -26,6 +26,8 @@ use tower::service_fn;
 
 use crate::{
     config::{ConfigError, Settings},
+    gate::{self, Gate},
+    registry::Registry,
     rpc,
 };
 
@@ -59,6 +61,9 @@ pub enum StartError {
         /// Why.
         source: io::Error,
     },
+    /// The open session cannot be made.
+    #[error("the session \"default\" cannot be made: {0}")]
+    Session(String),
     /// The descriptors of the API cannot be served.
     #[error("reflection cannot be offered: {0}")]
     Reflection(#[from] tonic_reflection::server::Error),
@@ -178,6 +183,7 @@ impl Running {
     }
 }
 
+/// Everything that is served on the port, and how health is told.
 async fn routes(settings: &Settings, stop: &Stop) -> Result<(HealthReporter, Routes), StartError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     for service in rpc::SERVICE_NAMES.into_iter().chain([""]) {
@@ -188,11 +194,18 @@ async fn routes(settings: &Settings, stop: &Stop) -> Result<(HealthReporter, Rou
             .register_encoded_file_descriptor_set(wire::v1::FILE_DESCRIPTOR_SET)
             .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
     };
-    let grpc = rpc::routes(settings, stop)
+    let registry = Registry::new(settings.clone()).map_err(|problem| StartError::Session(problem.to_string()))?;
+    let registry = Arc::new(registry);
+    let sweeper = registry.clone();
+    let until = stop.clone();
+    tokio::spawn(async move { until.abort.run_until_cancelled(sweeper.sweep_leases()).await });
+    let gate = Arc::new(Gate::new(settings.max_in_flight, stop.abort.clone()));
+    let grpc = rpc::routes(registry, stop.drain.clone())
         .add_service(reflection().build_v1()?)
         .add_service(reflection().build_v1alpha()?)
         .add_service(health_service)
         .into_axum_router()
+        .layer(axum::middleware::from_fn_with_state(gate, gate::pass))
         // Round the gRPC routes only: round the page it would answer a plain GET with 400.
         .layer(tonic_web::GrpcWebLayer::new());
     let page = axum::Router::new().route("/", get(page));
@@ -243,8 +256,7 @@ async fn run_until_aborted(
     serving: impl Future<Output = Result<(), tonic::transport::Error>>,
     abort: &CancellationToken,
 ) {
-    match abort.run_until_cancelled(serving).await {
-        Some(Err(error)) => tracing::error!(%error, "serving failed"),
-        Some(Ok(())) | None => {}
+    if let Some(Err(error)) = abort.run_until_cancelled(serving).await {
+        tracing::error!(%error, "serving failed");
     }
 }

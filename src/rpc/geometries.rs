@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
-use super::{Server, later};
+use super::{Server, geometry, later};
 
 /// `GeometryService`.
 #[derive(Clone, Debug)]
@@ -15,9 +15,9 @@ pub(super) struct Geometries(pub(super) Arc<Server>);
 impl pb::geometry_service_server::GeometryService for Geometries {
     async fn create_geometry(
         &self,
-        _request: Request<pb::CreateGeometryRequest>,
+        request: Request<pb::CreateGeometryRequest>,
     ) -> Result<Response<pb::CreateGeometryResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        geometry::create(&self.0, request).await
     }
 
     async fn upload_geometry(
@@ -29,9 +29,9 @@ impl pb::geometry_service_server::GeometryService for Geometries {
 
     async fn get_geometry(
         &self,
-        _request: Request<pb::GetGeometryRequest>,
+        request: Request<pb::GetGeometryRequest>,
     ) -> Result<Response<pb::GetGeometryResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        geometry::get(&self.0, request)
     }
 
     type DownloadGeometryStream = super::Answers<pb::DownloadGeometryResponse>;
@@ -45,15 +45,15 @@ impl pb::geometry_service_server::GeometryService for Geometries {
 
     async fn list_geometries(
         &self,
-        _request: Request<pb::ListGeometriesRequest>,
+        request: Request<pb::ListGeometriesRequest>,
     ) -> Result<Response<pb::ListGeometriesResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        geometry::list(&self.0, request)
     }
 
     async fn delete_geometry(
         &self,
-        _request: Request<pb::DeleteGeometryRequest>,
+        request: Request<pb::DeleteGeometryRequest>,
     ) -> Result<Response<pb::DeleteGeometryResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        geometry::delete(&self.0, request)
     }
 }

@@ -12,11 +12,17 @@ pub(super) struct Later {
     meanwhile: &'static str,
 }
 
-impl From<Later> for Status {
+impl From<Later> for Problem {
     fn from(later: Later) -> Self {
         let Later { call, will, meanwhile } = later;
         let what = format!("{call} is not served yet: it will {will}; meanwhile {meanwhile}");
-        Problem::new(Reason::NotYet, what).into()
+        Self::new(Reason::NotYet, what)
+    }
+}
+
+impl From<Later> for Status {
+    fn from(later: Later) -> Self {
+        Problem::from(later).into()
     }
 }
 

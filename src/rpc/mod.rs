@@ -1,19 +1,41 @@
 //! The calls of the API: wire messages to checked questions, answers to wire messages. The only room besides `convert`
 //! that knows protobuf.
 
+mod batch;
+mod create_session;
+mod describe_world;
+mod distance;
+mod edit;
+mod edit_stream;
 mod geometries;
+mod geometry;
 mod later;
+mod list_shapes;
+mod overlap;
+mod penetration;
 mod questions;
+mod raycast;
+mod scene;
+mod session;
 mod sessions;
+mod time_of_impact;
 mod worlds;
 
 use std::{pin::Pin, sync::Arc};
 
+use prost::Message;
 use tokio_stream::Stream;
-use tonic::{Status, service::Routes};
+use tokio_util::sync::CancellationToken;
+use tonic::{Request, Status, service::Routes};
 use wire::v1 as pb;
 
-use crate::{config::Settings, serve::Stop};
+use crate::{
+    deadline::Deadline,
+    problem::{Checked, Problem, Reason},
+    registry::Registry,
+    session::Session,
+    token::Role,
+};
 
 /// The gRPC names of the services, for health.
 pub(crate) const SERVICE_NAMES: [&str; 4] = [
@@ -23,19 +45,72 @@ pub(crate) const SERVICE_NAMES: [&str; 4] = [
     "calipers.v1.QueryService",
 ];
 
-/// Largest message that is taken.
-const MESSAGE_BYTES: usize = 4 * 1024 * 1024;
+/// Largest message that is taken or sent.
+pub(crate) const MESSAGE_BYTES: usize = 4 * 1024 * 1024;
 
 /// The answers of a call that streams.
 type Answers<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
 /// What all calls share.
 #[derive(Debug)]
-pub(crate) struct Server {}
+pub(crate) struct Server {
+    registry: Arc<Registry>,
+    /// Cancelled when streams should end.
+    drain: CancellationToken,
+}
+
+impl Server {
+    /// The session of a call, for a caller who may do at least what `least` may.
+    fn enter(&self, caller: &Caller, session: &str, least: Role) -> Checked<Arc<Session>> {
+        let (session, _) = self.registry.enter(session, caller.token.as_deref(), least)?;
+        Ok(session)
+    }
+}
+
+/// Who calls, and how long the answer may take.
+#[derive(Clone, Debug)]
+struct Caller {
+    token: Option<String>,
+    deadline: Deadline,
+}
+
+impl Caller {
+    fn of<T>(request: &Request<T>) -> Self {
+        let authorization = request
+            .metadata()
+            .get("authorization")
+            .and_then(|value| value.to_str().ok());
+        let token = authorization
+            .and_then(|text| text.split_once(' '))
+            .and_then(|(scheme, token)| {
+                let is_bearer = scheme.eq_ignore_ascii_case("bearer");
+                is_bearer.then(|| token.trim().to_owned())
+            });
+        Self {
+            token,
+            deadline: request.extensions().get::<Deadline>().copied().unwrap_or_default(),
+        }
+    }
+}
+
+/// Checks that an answer fits into one message.
+///
+/// # Errors
+/// It does not; `remedy` says what the caller can do.
+fn fitting<A: Message>(answer: A, remedy: &str) -> Checked<A> {
+    let bytes = answer.encoded_len();
+    if bytes <= MESSAGE_BYTES {
+        return Ok(answer);
+    }
+    let what = format!("the answer would have {bytes} bytes, and a message may have {MESSAGE_BYTES}: {remedy}");
+    Err(Problem::new(Reason::QuotaExceeded, what)
+        .with("quota", "message_bytes")
+        .with("limit", MESSAGE_BYTES))
+}
 
 /// The routes of the four services.
-pub(crate) fn routes(_settings: &Settings, _stop: &Stop) -> Routes {
-    let server = Arc::new(Server {});
+pub(crate) fn routes(registry: Arc<Registry>, drain: CancellationToken) -> Routes {
+    let server = Arc::new(Server { registry, drain });
     let sessions = pb::session_service_server::SessionServiceServer::new(sessions::Sessions(server.clone()));
     let geometries = pb::geometry_service_server::GeometryServiceServer::new(geometries::Geometries(server.clone()));
     let worlds = pb::world_service_server::WorldServiceServer::new(worlds::Worlds(server.clone()));

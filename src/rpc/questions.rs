@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
-use super::{Server, later};
+use super::{Server, batch, distance, later, overlap, penetration, raycast, scene::unary, time_of_impact};
 
 /// `QueryService`.
 #[derive(Clone, Debug)]
@@ -13,30 +13,30 @@ pub(super) struct Questions(pub(super) Arc<Server>);
 
 #[tonic::async_trait]
 impl pb::query_service_server::QueryService for Questions {
-    async fn raycast(&self, _request: Request<pb::RaycastRequest>) -> Result<Response<pb::RaycastResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+    async fn raycast(&self, request: Request<pb::RaycastRequest>) -> Result<Response<pb::RaycastResponse>, Status> {
+        unary(&self.0, request, raycast::answer).await
     }
 
-    async fn overlap(&self, _request: Request<pb::OverlapRequest>) -> Result<Response<pb::OverlapResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+    async fn overlap(&self, request: Request<pb::OverlapRequest>) -> Result<Response<pb::OverlapResponse>, Status> {
+        unary(&self.0, request, overlap::answer).await
     }
 
     async fn penetration(
         &self,
-        _request: Request<pb::PenetrationRequest>,
+        request: Request<pb::PenetrationRequest>,
     ) -> Result<Response<pb::PenetrationResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        unary(&self.0, request, penetration::answer).await
     }
 
     async fn time_of_impact(
         &self,
-        _request: Request<pb::TimeOfImpactRequest>,
+        request: Request<pb::TimeOfImpactRequest>,
     ) -> Result<Response<pb::TimeOfImpactResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        unary(&self.0, request, time_of_impact::answer).await
     }
 
-    async fn distance(&self, _request: Request<pb::DistanceRequest>) -> Result<Response<pb::DistanceResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+    async fn distance(&self, request: Request<pb::DistanceRequest>) -> Result<Response<pb::DistanceResponse>, Status> {
+        unary(&self.0, request, distance::answer).await
     }
 
     async fn move_character(
@@ -56,8 +56,8 @@ impl pb::query_service_server::QueryService for Questions {
         Err(later::PAIRS.into())
     }
 
-    async fn batch(&self, _request: Request<pb::BatchRequest>) -> Result<Response<pb::BatchResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+    async fn batch(&self, request: Request<pb::BatchRequest>) -> Result<Response<pb::BatchResponse>, Status> {
+        batch::answer(&self.0, request).await
     }
 
     async fn raycast_batch(

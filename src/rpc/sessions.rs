@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
 
-use super::{Server, later};
+use super::{Server, create_session, later, session};
 
 /// `SessionService`.
 #[derive(Clone, Debug)]
@@ -15,9 +15,9 @@ pub(super) struct Sessions(pub(super) Arc<Server>);
 impl pb::session_service_server::SessionService for Sessions {
     async fn create_session(
         &self,
-        _request: Request<pb::CreateSessionRequest>,
+        request: Request<pb::CreateSessionRequest>,
     ) -> Result<Response<pb::CreateSessionResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        create_session::answer(&self.0, request)
     }
 
     async fn fork_session(
@@ -29,36 +29,36 @@ impl pb::session_service_server::SessionService for Sessions {
 
     async fn create_token(
         &self,
-        _request: Request<pb::CreateTokenRequest>,
+        request: Request<pb::CreateTokenRequest>,
     ) -> Result<Response<pb::CreateTokenResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        session::create_token(&self.0, request)
     }
 
     async fn get_session(
         &self,
-        _request: Request<pb::GetSessionRequest>,
+        request: Request<pb::GetSessionRequest>,
     ) -> Result<Response<pb::GetSessionResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        session::get(&self.0, request)
     }
 
     async fn renew_session(
         &self,
-        _request: Request<pb::RenewSessionRequest>,
+        request: Request<pb::RenewSessionRequest>,
     ) -> Result<Response<pb::RenewSessionResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        session::renew(&self.0, request)
     }
 
     async fn list_sessions(
         &self,
-        _request: Request<pb::ListSessionsRequest>,
+        request: Request<pb::ListSessionsRequest>,
     ) -> Result<Response<pb::ListSessionsResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        session::list(&self.0, request)
     }
 
     async fn delete_session(
         &self,
-        _request: Request<pb::DeleteSessionRequest>,
+        request: Request<pb::DeleteSessionRequest>,
     ) -> Result<Response<pb::DeleteSessionResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        session::delete(&self.0, request)
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
-use super::{Server, later};
+use super::{Server, describe_world, edit, edit_stream, later, list_shapes};
 
 /// `WorldService`.
 #[derive(Clone, Debug)]
@@ -13,38 +13,35 @@ pub(super) struct Worlds(pub(super) Arc<Server>);
 
 #[tonic::async_trait]
 impl pb::world_service_server::WorldService for Worlds {
-    async fn edit(&self, _request: Request<pb::EditRequest>) -> Result<Response<pb::EditResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+    async fn edit(&self, request: Request<pb::EditRequest>) -> Result<Response<pb::EditResponse>, Status> {
+        edit::answer(&self.0, request).await
     }
 
     type EditStreamStream = super::Answers<pb::EditStreamResponse>;
 
     async fn edit_stream(
         &self,
-        _request: Request<Streaming<pb::EditStreamRequest>>,
+        request: Request<Streaming<pb::EditStreamRequest>>,
     ) -> Result<Response<Self::EditStreamStream>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        Ok(Response::new(edit_stream::open(self.0.clone(), request)))
     }
 
-    async fn get_shape(
-        &self,
-        _request: Request<pb::GetShapeRequest>,
-    ) -> Result<Response<pb::GetShapeResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+    async fn get_shape(&self, request: Request<pb::GetShapeRequest>) -> Result<Response<pb::GetShapeResponse>, Status> {
+        list_shapes::get(&self.0, request).await
     }
 
     async fn list_shapes(
         &self,
-        _request: Request<pb::ListShapesRequest>,
+        request: Request<pb::ListShapesRequest>,
     ) -> Result<Response<pb::ListShapesResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        list_shapes::list(&self.0, request).await
     }
 
     async fn describe_world(
         &self,
-        _request: Request<pb::DescribeWorldRequest>,
+        request: Request<pb::DescribeWorldRequest>,
     ) -> Result<Response<pb::DescribeWorldResponse>, Status> {
-        Err(Status::unimplemented("not served yet"))
+        describe_world::answer(&self.0, request).await
     }
 
     async fn update_world(

@@ -7,11 +7,11 @@ use tokio::{
 use tonic::Code;
 use wire::v1 as pb;
 
-use crate::harness;
+use crate::harness::Bench;
 
 #[tokio::test]
 async fn a_plain_get_is_answered_with_a_line_of_text() {
-    let server = harness::start().await;
+    let server = Bench::start().await.server;
     let mut socket = TcpStream::connect(server.local_addr()).await.unwrap();
     socket
         .write_all(b"GET / HTTP/1.1\r\nhost: calipers\r\nconnection: close\r\n\r\n")
@@ -26,10 +26,13 @@ async fn a_plain_get_is_answered_with_a_line_of_text() {
 
 #[tokio::test]
 async fn a_client_in_the_process_reaches_the_calls() {
-    let server = harness::start().await;
-    let mut questions = pb::query_service_client::QueryServiceClient::new(server.connect_in_process());
-    let status = questions.resolve(pb::ResolveRequest::default()).await.unwrap_err();
+    let mut bench = Bench::start().await;
+    let status = bench
+        .questions
+        .resolve(pb::ResolveRequest::default())
+        .await
+        .unwrap_err();
     assert_eq!(status.code(), Code::Unimplemented);
     assert!(status.message().contains("ask Penetration"), "{status}");
-    server.stop().await;
+    bench.server.stop().await;
 }

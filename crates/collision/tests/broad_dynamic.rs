@@ -1,0 +1,209 @@
+//! Laws of the dynamic tree: sound after every edit, complete in every search, shared by its clones.
+
+mod broad_random;
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    ops::ControlFlow,
+};
+
+use broad_random::Random;
+use collision::{
+    DVec3,
+    answer::Work,
+    broad::{DynamicTree, NodeIndex, Path, Refit, StaticTree, Tree},
+    math::Aabb,
+};
+
+fn found_by_box(tree: &impl Tree, query: Aabb) -> BTreeSet<u32> {
+    let mut found = BTreeSet::new();
+    let Ok(()) = tree.visit_box(query, &mut Work::default(), |_, leaf| {
+        assert!(found.insert(leaf), "leaf {leaf} was offered twice");
+        Ok(ControlFlow::Continue(()))
+    });
+    found
+}
+
+fn found_by_ray(tree: &impl Tree, path: &Path) -> BTreeSet<u32> {
+    let mut found = BTreeSet::new();
+    let Ok(()) = tree.visit_ray(path, 1.0, &mut Work::default(), |_, leaf, _| {
+        found.insert(leaf);
+        Ok(1.0)
+    });
+    found
+}
+
+fn random_box(random: &mut Random) -> Aabb {
+    let center = random.vector() * 10.0;
+    let half = random.vector().abs();
+    Aabb::new(center - half, center + half)
+}
+
+/// The model: which leaf has which box, and which node names it.
+type Model = BTreeMap<u32, (Aabb, NodeIndex)>;
+
+fn random_edit(tree: &mut DynamicTree, model: &mut Model, random: &mut Random, next: &mut u32) -> Option<Refit> {
+    let margin = if random.unit() < 0.5 { 0.0 } else { 0.3 };
+    let pick = model.keys().nth((random.unit() * model.len() as f64) as usize).copied();
+    match (pick, random.unit()) {
+        (Some(leaf), 0.0..0.2) => {
+            tree.remove(model.remove(&leaf).expect("picked").1);
+            None
+        }
+        (Some(leaf), 0.2..0.6) => {
+            let (bounds, node) = model[&leaf];
+            let step = random.vector() * 0.4;
+            let bounds = Aabb::new(bounds.min + step, bounds.max + step);
+            model.insert(leaf, (bounds, node));
+            Some(tree.update(node, bounds, margin))
+        }
+        _ => {
+            let bounds = random_box(random);
+            model.insert(*next, (bounds, tree.insert(*next, bounds, margin)));
+            *next += 1;
+            None
+        }
+    }
+}
+
+fn assert_complete(tree: &DynamicTree, model: &Model, random: &mut Random) {
+    let query = random_box(random).inflated(2.0);
+    let found = found_by_box(tree, query);
+    let path = Path {
+        origin: random.vector() * 12.0,
+        direction: random.vector() * 20.0,
+        reach: DVec3::ZERO,
+    };
+    let on_path = found_by_ray(tree, &path);
+    let mut nearest = f64::INFINITY;
+    let Ok(()) = tree.visit_nearest(query, f64::INFINITY, &mut Work::default(), |_, leaf, _| {
+        nearest = nearest.min(model[&leaf].0.distance_sq(query));
+        Ok(nearest.sqrt())
+    });
+    let mut brute_nearest = f64::INFINITY;
+    for (leaf, &(bounds, node)) in model {
+        assert!(tree.fat_bounds(node).contains(bounds), "leaf {leaf} left its fat box");
+        assert!(
+            !bounds.intersects(query) || found.contains(leaf),
+            "leaf {leaf} is missing"
+        );
+        let is_on_path = (0..=32).any(|step| {
+            let point = path.origin + path.direction * (f64::from(step) / 32.0);
+            bounds.contains(Aabb::new(point, point))
+        });
+        assert!(
+            !is_on_path || on_path.contains(leaf),
+            "leaf {leaf} is missing on {path:?}"
+        );
+        brute_nearest = brute_nearest.min(bounds.distance_sq(query));
+    }
+    assert_eq!(nearest, brute_nearest);
+}
+
+#[test]
+fn random_edits_keep_it_sound_and_complete_and_its_clones_as_they_were() {
+    let mut kinds = [0; 3];
+    for seed in 1..=8 {
+        let mut random = Random::new(seed);
+        let (mut tree, mut model, mut next) = (DynamicTree::default(), Model::new(), 0);
+        let mut kept: Option<(DynamicTree, Model)> = None;
+        for edit in 0..1500 {
+            if let Some(refit) = random_edit(&mut tree, &mut model, &mut random, &mut next) {
+                kinds[refit as usize] += 1;
+            }
+            tree.assert_sound();
+            assert_eq!(tree.len(), model.len());
+            if edit % 10 == 0 {
+                assert_complete(&tree, &model, &mut random);
+            }
+            if edit % 100 == 50 {
+                if let Some((tree, model)) = &kept {
+                    tree.assert_sound();
+                    assert_complete(tree, model, &mut random);
+                }
+                kept = Some((tree.clone(), model.clone()));
+            }
+        }
+        for (_, node) in std::mem::take(&mut model).into_values() {
+            tree.remove(node);
+            tree.assert_sound();
+        }
+        assert!(tree.is_empty() && tree.bounds().is_none() && tree.depth() == 0);
+    }
+    assert!(
+        kinds.iter().all(|&count| count > 100),
+        "each kind of refit happens: {kinds:?}"
+    );
+}
+
+/// Boxes for which the surface-area heuristic alone makes a chain or does not care.
+#[test]
+fn no_order_of_boxes_makes_it_deep() {
+    let count = 4096_u32;
+    let nested = |i: u32| Aabb::new(DVec3::splat(-1.0 - f64::from(i)), DVec3::splat(1.0 + f64::from(i)));
+    let equal = |_: u32| Aabb::new(DVec3::ZERO, DVec3::ONE);
+    let point = |_: u32| Aabb::new(DVec3::ONE, DVec3::ONE);
+    let row = |i: u32| Aabb::new(DVec3::X * f64::from(i), DVec3::X * f64::from(i) + 1.0);
+    let doubling = |i: u32| Aabb::new(DVec3::X * f64::from(i).exp2().min(1e12), DVec3::X * 1e12);
+    type Make<'a> = &'a dyn Fn(u32) -> Aabb;
+    let families: [Make<'_>; 5] = [&nested, &equal, &point, &row, &doubling];
+    for (family, make) in families.into_iter().enumerate() {
+        for reversed in [false, true] {
+            let mut tree = DynamicTree::default();
+            let nodes: Vec<NodeIndex> = (0..count)
+                .map(|i| tree.insert(i, make(if reversed { count - 1 - i } else { i }), 0.0))
+                .collect();
+            tree.assert_sound();
+            assert!(tree.depth() <= 37, "family {family} has {} levels", tree.depth());
+            for node in nodes.into_iter().step_by(2) {
+                tree.remove(node);
+            }
+            tree.assert_sound();
+        }
+    }
+}
+
+#[test]
+fn it_is_about_as_good_as_a_fresh_tree_after_many_moves() {
+    let mut random = Random::new(11);
+    let mut tree = DynamicTree::default();
+    let mut boxes: Vec<Aabb> = (0..5000)
+        .map(|_| {
+            let center = random.vector() * 100.0;
+            Aabb::new(center - 1.0, center + 1.0)
+        })
+        .collect();
+    let nodes: Vec<NodeIndex> = (0..)
+        .zip(&boxes)
+        .map(|(leaf, bounds)| tree.insert(leaf, *bounds, 0.0))
+        .collect();
+    for _ in 0..40 {
+        for (bounds, node) in boxes.iter_mut().zip(&nodes) {
+            let step = random.vector();
+            *bounds = Aabb::new(bounds.min + step, bounds.max + step);
+            tree.update(*node, *bounds, 0.2);
+        }
+    }
+    tree.assert_sound();
+    let fresh = StaticTree::build(&boxes);
+    let (mut moved_work, mut fresh_work) = (Work::default(), Work::default());
+    for bounds in &boxes {
+        let Ok(()) = tree.visit_box(*bounds, &mut moved_work, |_, _| Ok(ControlFlow::Continue(())));
+        let Ok(()) = fresh.visit_box(*bounds, &mut fresh_work, |work, _| {
+            work.nodes_visited += 1;
+            Ok(ControlFlow::Continue(()))
+        });
+    }
+    let ratio = moved_work.nodes_visited as f64 / fresh_work.nodes_visited as f64;
+    assert!(
+        ratio < 2.0,
+        "{ratio:.2} times the visits of a fresh tree, {} levels",
+        tree.depth()
+    );
+    println!(
+        "{ratio:.2} times the visits, {} levels, cost {} to {}",
+        tree.depth(),
+        tree.area_sum(),
+        fresh.area_sum()
+    );
+}

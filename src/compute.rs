@@ -1,0 +1,44 @@
+//! Where work is done: inline, or on another thread if it is long enough to keep other calls waiting.
+
+use crate::{
+    fence::{caught, fenced},
+    problem::{Checked, Problem, Reason},
+};
+
+/// Messages beyond this size are worked on elsewhere: below it, handing over (about 50 µs) would cost more than it saves.
+const HEAVY_BYTES: usize = 64 * 1024;
+
+/// How much work something is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Weight {
+    /// Done at once.
+    Light,
+    /// Handed to another thread.
+    Heavy,
+}
+
+impl Weight {
+    /// What a message of this size makes to do.
+    pub(crate) fn of_message(bytes: usize) -> Self {
+        if bytes > HEAVY_BYTES { Self::Heavy } else { Self::Light }
+    }
+}
+
+/// Does work where its weight says, behind the fence.
+///
+/// # Errors
+/// The work's own, or it panicked.
+pub(crate) async fn run<T: Send + 'static>(
+    weight: Weight,
+    doing: &'static str,
+    work: impl FnOnce() -> Checked<T> + Send + 'static,
+) -> Checked<T> {
+    match weight {
+        Weight::Light => fenced(doing, work)?,
+        Weight::Heavy => match tokio::task::spawn_blocking(work).await {
+            Ok(done) => done,
+            Err(error) if error.is_panic() => Err(caught(doing, error.into_panic().as_ref())),
+            Err(_) => Err(Problem::new(Reason::Stopping, "the server is stopping")),
+        },
+    }
+}

@@ -1,0 +1,265 @@
+//! Answers of the domain as they are sent: finite numbers only, and no side of an interval that is not known.
+
+use collision::{
+    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    narrow::ContactPoint,
+    world::{Contact, Found, Impact, Neighbor, OverlapHit, QuestionError, RayHit, ShapeId, Tick},
+};
+use wire::v1 as pb;
+
+use super::{
+    place::{number_out, vec3_out},
+    question::shape_not_found,
+};
+use crate::{
+    deadline::Deadline,
+    problem::{Checked, Problem, Reason},
+};
+
+/// A ray's answer; who sends it adds what was read.
+///
+/// # Errors
+/// A number is not finite, which is a fault of the server.
+pub(crate) fn raycast(found: &Found<RayHit>) -> Checked<pb::RaycastResponse> {
+    Ok(pb::RaycastResponse {
+        verdict: verdict(found.verdict).into(),
+        hits: found.hits.iter().map(ray_hit).collect::<Checked<_>>()?,
+        truncated: found.truncated,
+        info: None,
+    })
+}
+
+/// An overlap's answer; who sends it adds what was read.
+///
+/// # Errors
+/// As [`raycast`].
+pub(crate) fn overlap(found: &Found<OverlapHit>) -> Checked<pb::OverlapResponse> {
+    let hit = |hit: &OverlapHit| {
+        Ok(pb::OverlapHit {
+            id: id_or_none(hit.id),
+            user_data: hit.user_data,
+            certificate: Some(certificate(&hit.certificate)?),
+        })
+    };
+    Ok(pb::OverlapResponse {
+        verdict: verdict(found.verdict).into(),
+        hits: found.hits.iter().map(hit).collect::<Checked<_>>()?,
+        truncated: found.truncated,
+        info: None,
+    })
+}
+
+/// A depth's answer; who sends it adds what was read.
+///
+/// # Errors
+/// As [`raycast`].
+pub(crate) fn penetration(found: &Found<Contact>) -> Checked<pb::PenetrationResponse> {
+    Ok(pb::PenetrationResponse {
+        verdict: verdict(found.verdict).into(),
+        contacts: found.hits.iter().map(contact).collect::<Checked<_>>()?,
+        truncated: found.truncated,
+        info: None,
+    })
+}
+
+/// A time's answer; who sends it adds what was read.
+///
+/// # Errors
+/// As [`raycast`].
+pub(crate) fn time_of_impact(found: &Found<Impact>) -> Checked<pb::TimeOfImpactResponse> {
+    Ok(pb::TimeOfImpactResponse {
+        verdict: verdict(found.verdict).into(),
+        hits: found.hits.iter().map(impact).collect::<Checked<_>>()?,
+        truncated: found.truncated,
+        info: None,
+    })
+}
+
+/// A distance's answer; who sends it adds what was read.
+///
+/// # Errors
+/// As [`raycast`].
+pub(crate) fn distance(found: &Found<Neighbor>) -> Checked<pb::DistanceResponse> {
+    Ok(pb::DistanceResponse {
+        verdict: verdict(found.verdict).into(),
+        hits: found.hits.iter().map(neighbor).collect::<Checked<_>>()?,
+        info: None,
+    })
+}
+
+/// What an answer cost.
+pub(crate) fn work(work: &Work) -> pb::Work {
+    pb::Work {
+        nodes_visited: work.nodes_visited,
+        shapes_tested: work.shapes_tested,
+        pairs_tested: work.pairs_tested,
+        iterations: work.iterations,
+    }
+}
+
+/// What a client is told whose question has no answer.
+pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
+    match error {
+        QuestionError::SubjectNotFound(id) => shape_not_found("subject.id", id.get(), tick),
+        QuestionError::AgainstNotFound(id) => shape_not_found("against.id", id.get(), tick),
+        QuestionError::NeedsDecomposition(id) => {
+            let with = id.map_or_else(|| "the geometry in against".to_owned(), |id| format!("shape {id}"));
+            let what = format!(
+                "the subject and {with} are both meshes: a depth needs convex parts of one of them, which are not made \
+                 yet; meanwhile ask Overlap, or place hulls"
+            );
+            Problem::new(Reason::NeedsDecomposition, what).with_shape(id_or_none(*id))
+        }
+        QuestionError::Interrupted => Deadline::problem(),
+    }
+}
+
+fn ray_hit(hit: &RayHit) -> Checked<pb::RayHit> {
+    let touch = &hit.touch;
+    Ok(pb::RayHit {
+        id: hit.id.get(),
+        distance: Some(number_out(touch.distance)?),
+        point: Some(vec3_out(touch.point)?),
+        normal: touch.normal.map(vec3_out).transpose()?,
+        inside: touch.inside,
+        feature: feature(touch.feature),
+        user_data: hit.user_data,
+        certificate: Some(certificate(&touch.certificate)?),
+    })
+}
+
+fn contact(contact: &Contact) -> Checked<pb::Contact> {
+    Ok(pb::Contact {
+        id: id_or_none(contact.id),
+        normal: Some(vec3_out(contact.normal)?),
+        depth: Some(number_out(contact.depth)?),
+        points: contact.points.iter().map(contact_point).collect::<Checked<_>>()?,
+        subject_feature: feature(contact.subject_feature),
+        feature: feature(contact.feature),
+        user_data: contact.user_data,
+        certificate: Some(certificate(&contact.certificate)?),
+    })
+}
+
+fn contact_point(point: &ContactPoint) -> Checked<pb::ContactPoint> {
+    Ok(pb::ContactPoint {
+        point_on_subject: Some(vec3_out(point.point_on_a)?),
+        point_on_shape: Some(vec3_out(point.point_on_b)?),
+        depth: Some(number_out(point.depth)?),
+        feature_pair: point.feature_pair,
+    })
+}
+
+fn impact(impact: &Impact) -> Checked<pb::Impact> {
+    let touch = &impact.touch;
+    Ok(pb::Impact {
+        id: id_or_none(impact.id),
+        fraction: Some(number_out(touch.fraction)?),
+        point: Some(vec3_out(touch.point)?),
+        normal: touch.normal_b_to_a.map(vec3_out).transpose()?,
+        initial: touch.initial,
+        feature: feature(touch.feature_b),
+        user_data: impact.user_data,
+        certificate: Some(certificate(&touch.certificate)?),
+    })
+}
+
+fn neighbor(neighbor: &Neighbor) -> Checked<pb::Neighbor> {
+    let separation = &neighbor.separation;
+    Ok(pb::Neighbor {
+        id: id_or_none(neighbor.id),
+        distance: Some(number_out(separation.distance)?),
+        point_on_subject: Some(vec3_out(separation.point_on_a)?),
+        point_on_shape: Some(vec3_out(separation.point_on_b)?),
+        normal: separation.normal_b_to_a.map(vec3_out).transpose()?,
+        feature: feature(separation.feature_b),
+        user_data: neighbor.user_data,
+        certificate: Some(certificate(&separation.certificate)?),
+    })
+}
+
+fn certificate(certificate: &Certificate) -> Checked<pb::Certificate> {
+    Ok(pb::Certificate {
+        verdict: verdict(certificate.verdict).into(),
+        interval: Some(interval(certificate.bound)?),
+        representation: pb::Representation::Exact.into(),
+        outside: 0.0,
+        inside: 0.0,
+        method: method(certificate.method).into(),
+        stop: stop(certificate.stop).into(),
+        iterations: certificate.iterations,
+    })
+}
+
+/// An infinite side is absent; NaN is a fault.
+fn interval(bound: Bound) -> Checked<pb::Interval> {
+    let side = |value: f64| match value.is_infinite() {
+        true => Ok(None),
+        false => number_out(value).map(Some),
+    };
+    Ok(pb::Interval {
+        lower: side(bound.lower)?,
+        upper: side(bound.upper)?,
+    })
+}
+
+fn verdict(verdict: Verdict) -> pb::Verdict {
+    match verdict {
+        Verdict::Hit => pb::Verdict::Hit,
+        Verdict::Miss => pb::Verdict::Miss,
+        Verdict::Undecided => pb::Verdict::Undecided,
+    }
+}
+
+fn method(method: Method) -> pb::Method {
+    match method {
+        Method::Bounds => pb::Method::Bounds,
+        Method::ClosedForm => pb::Method::ClosedForm,
+        Method::SeparatingAxes => pb::Method::SeparatingAxes,
+        Method::Gjk => pb::Method::Gjk,
+        Method::Epa => pb::Method::Epa,
+        Method::Advancement => pb::Method::Advancement,
+    }
+}
+
+fn stop(stop: Stop) -> pb::Stop {
+    match stop {
+        Stop::Converged => pb::Stop::Converged,
+        Stop::Tolerance => pb::Stop::Tolerance,
+        Stop::Budget => pb::Stop::Budget,
+    }
+}
+
+fn feature(feature: Feature) -> Option<pb::Feature> {
+    let Feature { part, face } = feature;
+    (part.is_some() || face.is_some()).then_some(pb::Feature { part, face })
+}
+
+fn id_or_none(id: Option<ShapeId>) -> u64 {
+    id.map_or(0, ShapeId::get)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_open_side_of_an_interval_is_absent_and_a_negative_zero_is_none() {
+        let open = interval(Bound::UNBOUNDED).unwrap();
+        assert_eq!((open.lower, open.upper), (None, None));
+        let touching = interval(Bound::new(-0.0, 0.5)).unwrap();
+        assert!(touching.lower.unwrap().is_sign_positive());
+        assert_eq!(touching.upper, Some(0.5));
+        interval(Bound::new(f64::NAN, 1.0)).unwrap_err();
+    }
+
+    #[test]
+    fn a_feature_that_says_nothing_is_absent() {
+        assert_eq!(feature(Feature::default()), None);
+        let face = Feature {
+            part: None,
+            face: Some(0),
+        };
+        assert_eq!(feature(face).unwrap().face, Some(0));
+    }
+}

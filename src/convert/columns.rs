@@ -1,0 +1,187 @@
+//! Columns: one list of numbers for each component, for many items at once.
+
+use collision::{DQuat, DVec3, shape::Limits};
+use wire::v1 as pb;
+
+use super::place::{column_number, is_zero_quat, position};
+use crate::problem::{Checked, Problem, Reason, Under};
+
+/// A column of `WIDTH`-vectors for `n` items: one for each, one for all, or none.
+#[derive(Clone, Copy, Debug)]
+struct Column<'a, const WIDTH: usize> {
+    name: &'static str,
+    numbers: &'a [f32],
+    n: usize,
+}
+
+impl<'a, const WIDTH: usize> Column<'a, WIDTH> {
+    fn new(name: &'static str, numbers: &'a [f32], n: usize) -> Checked<Self> {
+        let found = numbers.len();
+        if found == 0 || found == WIDTH || found == WIDTH * n {
+            return Ok(Self { name, numbers, n });
+        }
+        let what = format!(
+            "has {found} numbers: it must have {} ({WIDTH} for each of {n} items), {WIDTH} (for all of them) or none",
+            WIDTH * n
+        );
+        Err(Problem::at(name, Reason::ColumnLength, what))
+    }
+
+    /// The numbers of an item and where they begin; `None` if the column is absent.
+    fn item(&self, index: usize) -> Checked<Option<(usize, [f64; WIDTH])>> {
+        if self.numbers.is_empty() {
+            return Ok(None);
+        }
+        let begin = if self.numbers.len() == WIDTH * self.n {
+            index * WIDTH
+        } else {
+            0
+        };
+        let mut item = [0.0; WIDTH];
+        for (offset, number) in item.iter_mut().enumerate() {
+            *number = column_number(self.name, begin + offset, self.numbers[begin + offset])?;
+        }
+        Ok(Some((begin, item)))
+    }
+}
+
+/// Vectors of many items, such as velocities.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct VectorColumn<'a>(Column<'a, 3>);
+
+impl<'a> VectorColumn<'a> {
+    /// The column `name`.
+    ///
+    /// # Errors
+    /// Its length.
+    pub(crate) fn new(name: &'static str, numbers: &'a [f32], n: usize) -> Checked<Self> {
+        Column::new(name, numbers, n).map(Self)
+    }
+
+    /// The vector of an item; `None` if the column is absent.
+    ///
+    /// # Errors
+    /// A number that is not finite or beyond the limits.
+    pub(crate) fn item(&self, index: usize) -> Checked<Option<DVec3>> {
+        let Some((begin, item)) = self.0.item(index)? else {
+            return Ok(None);
+        };
+        in_limits(self.0.name, begin, DVec3::from_array(item)).map(Some)
+    }
+}
+
+/// The poses of many items.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Poses<'a> {
+    frame_origin: DVec3,
+    positions: Column<'a, 3>,
+    rotations: Column<'a, 4>,
+}
+
+impl<'a> Poses<'a> {
+    /// The poses of `n` items; absent columns are absent in each.
+    ///
+    /// # Errors
+    /// A column's length, the frame origin.
+    pub(crate) fn new(sent: Option<&'a pb::PoseColumns>, n: usize) -> Checked<Self> {
+        let frame_origin = sent.and_then(|sent| sent.frame_origin.as_ref());
+        Ok(Self {
+            frame_origin: position(frame_origin, DVec3::ZERO).under("frame_origin")?,
+            positions: Column::new("positions", sent.map_or(&[], |sent| &sent.positions), n)?,
+            rotations: Column::new("rotations", sent.map_or(&[], |sent| &sent.rotations), n)?,
+        })
+    }
+
+    /// Where the frame of all positions is.
+    pub(crate) fn frame_origin(&self) -> DVec3 {
+        self.frame_origin
+    }
+
+    /// The position of an item in the world; `None` if the column is absent.
+    ///
+    /// # Errors
+    /// A number that is not finite or beyond the limits.
+    pub(crate) fn position(&self, index: usize) -> Checked<Option<DVec3>> {
+        let Some((begin, item)) = self.positions.item(index)? else {
+            return Ok(None);
+        };
+        in_limits(self.positions.name, begin, self.frame_origin + DVec3::from_array(item)).map(Some)
+    }
+
+    /// The rotation of an item; `None` if the column is absent.
+    ///
+    /// # Errors
+    /// A number that is not finite, a quaternion of length 0.
+    pub(crate) fn rotation(&self, index: usize) -> Checked<Option<DQuat>> {
+        let Some((begin, item)) = self.rotations.item(index)? else {
+            return Ok(None);
+        };
+        if is_zero_quat(item) {
+            let what = "begins a quaternion of four zeros: it may have any length but 0; 0, 0, 0, 1 is no rotation";
+            return Err(Problem::at(format!("rotations[{begin}]"), Reason::OutOfLimits, what));
+        }
+        Ok(Some(DQuat::from_array(item)))
+    }
+}
+
+fn in_limits(column: &str, begin: usize, vector: DVec3) -> Checked<DVec3> {
+    for (offset, value) in vector.to_array().into_iter().enumerate() {
+        if value.abs() > Limits::COORDINATE {
+            let what = format!("is {value} with the frame origin: it must be within 1e12 of 0");
+            return Err(Problem::at(
+                format!("{column}[{}]", begin + offset),
+                Reason::OutOfLimits,
+                what,
+            ));
+        }
+    }
+    Ok(vector)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns(positions: &[f32], rotations: &[f32]) -> pb::PoseColumns {
+        pb::PoseColumns {
+            frame_origin: Some(pb::Vec3 {
+                x: 100.0,
+                y: 0.0,
+                z: 0.0,
+            }),
+            positions: positions.to_vec(),
+            rotations: rotations.to_vec(),
+        }
+    }
+
+    #[test]
+    fn one_vector_serves_for_all_and_is_relative_to_the_frame_origin() {
+        let sent = columns(&[1.0, 2.0, 3.0], &[]);
+        let poses = Poses::new(Some(&sent), 5).unwrap();
+        assert_eq!(poses.position(4).unwrap(), Some(DVec3::new(101.0, 2.0, 3.0)));
+        assert_eq!(poses.rotation(4).unwrap(), None);
+    }
+
+    #[test]
+    fn a_wrong_length_says_what_would_be_right() {
+        let sent = columns(&[0.0; 7], &[]);
+        let problem = Poses::new(Some(&sent), 2).unwrap_err().into_wire();
+        assert_eq!(problem.field, "positions");
+        assert!(
+            problem.message.contains("has 7 numbers: it must have 6"),
+            "{}",
+            problem.message
+        );
+    }
+
+    #[test]
+    fn a_number_is_named_by_its_place_in_the_column() {
+        let sent = columns(
+            &[0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0],
+            &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        );
+        let poses = Poses::new(Some(&sent), 2).unwrap();
+        assert_eq!(poses.position(1).unwrap_err().into_wire().field, "positions[4]");
+        assert_eq!(poses.rotation(1).unwrap_err().into_wire().field, "rotations[4]");
+    }
+}

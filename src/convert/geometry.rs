@@ -1,0 +1,277 @@
+//! Forms: wire to checked geometries, and those back.
+
+use std::sync::Arc;
+
+use collision::{
+    DVec3,
+    shape::{Convex, Core, Form, Geometry, GeometryError, Mesh},
+};
+use wire::v1::{self as pb, geometry::Kind};
+
+use super::{
+    number::unknown_enum,
+    place::{aabb_out, column_number},
+};
+use crate::{
+    geometries::{Geometries, id_text},
+    problem::{Checked, Problem, Reason, Under},
+};
+
+/// A geometry of a shape, written in place or named; equal ones are shared within the session.
+///
+/// # Errors
+/// What is wrong with it; kinds that are not served yet; an id that names nothing.
+pub(crate) fn of_shape(sent: &pb::Geometry, known: &Geometries) -> Checked<Arc<Geometry>> {
+    match named(sent, known)? {
+        Some(named) => Ok(named),
+        None => Ok(known.share(made_anew(sent, known)?)),
+    }
+}
+
+/// A geometry of a question, written in place or named.
+///
+/// # Errors
+/// As [`of_shape`].
+pub(crate) fn of_question(sent: &pb::Geometry, known: &Geometries) -> Checked<Arc<Geometry>> {
+    match named(sent, known)? {
+        Some(named) => Ok(named),
+        None => Ok(Arc::new(made_anew(sent, known)?)),
+    }
+}
+
+/// A geometry that is to be registered.
+///
+/// # Errors
+/// As [`of_shape`].
+pub(crate) fn registrable(sent: &pb::Geometry, known: &Geometries) -> Checked<Geometry> {
+    made_anew(sent, known)
+}
+
+/// A registered geometry that is taken as it is.
+fn named(sent: &pb::Geometry, known: &Geometries) -> Checked<Option<Arc<Geometry>>> {
+    match &sent.kind {
+        Some(Kind::GeometryId(id)) if sent.rounding == 0.0 && sent.scale.is_none_or(is_one) => known.get(id).map(Some),
+        _ => Ok(None),
+    }
+}
+
+/// A geometry made from what was sent, be it from another one.
+fn made_anew(sent: &pb::Geometry, known: &Geometries) -> Checked<Geometry> {
+    match &sent.kind {
+        Some(Kind::GeometryId(id)) => dressed(Geometry::clone(&*known.get(id)?), sent),
+        _ => dressed(bare(sent)?, sent),
+    }
+}
+
+/// The form without rounding and scale.
+fn bare(sent: &pb::Geometry) -> Checked<Geometry> {
+    match &sent.kind {
+        None => Err(Problem::at(
+            "kind",
+            Reason::Missing,
+            "is absent: a geometry is a point, sphere, box, capsule, hull, mesh or geometry_id, such as \
+             {\"sphere\": {\"radius\": 1}}",
+        )),
+        Some(Kind::Point(pb::Point {})) => Ok(Geometry::point()),
+        Some(Kind::Sphere(sphere)) => made("sphere", Geometry::sphere(sphere.radius)),
+        Some(Kind::Box(cuboid)) => {
+            let half = cuboid.half_extents.unwrap_or_default();
+            made("box", Geometry::cuboid(DVec3::new(half.x, half.y, half.z)))
+        }
+        Some(Kind::Capsule(capsule)) => made("capsule", Geometry::capsule(capsule.half_height, capsule.radius)),
+        Some(Kind::Hull(hull)) => {
+            let points = points("points", &hull.points).under("hull")?;
+            made("hull", Geometry::hull(&points))
+        }
+        Some(Kind::Mesh(mesh)) => triangles(mesh).under("mesh"),
+        Some(Kind::Cylinder(_)) => Err(not_yet("cylinder", "place the hull of a prism of many sides")),
+        Some(Kind::Cone(_)) => Err(not_yet("cone", "place the hull of a pyramid of many sides")),
+        Some(Kind::Ellipsoid(_)) => Err(not_yet("ellipsoid", "place a hull of points on it, or a capsule")),
+        Some(Kind::HalfSpace(_)) => Err(not_yet("half_space", "place a large box below the plane")),
+        Some(Kind::HeightField(_)) => Err(not_yet("height_field", "place a mesh of two triangles for each cell")),
+        Some(Kind::Compound(_)) => Err(not_yet("compound", "place one shape for each part, all of one group")),
+        Some(Kind::GeometryId(_)) => Err(Problem::at(
+            "geometry_id",
+            Reason::BadGeometry,
+            "names another geometry",
+        )),
+    }
+}
+
+/// With the rounding and the scale that were sent.
+fn dressed(geometry: Geometry, sent: &pb::Geometry) -> Checked<Geometry> {
+    let geometry = match sent.rounding == 0.0 {
+        true => geometry,
+        false => made("", geometry.rounded(sent.rounding))?,
+    };
+    match sent.scale {
+        Some(scale) if !is_one(scale) => made("", geometry.scaled(scale)),
+        Some(_) | None => Ok(geometry),
+    }
+}
+
+fn is_one(scale: f64) -> bool {
+    (1.0..=1.0).contains(&scale)
+}
+
+fn triangles(mesh: &pb::TriangleMesh) -> Checked<Geometry> {
+    match pb::MeshMode::try_from(mesh.mode) {
+        Ok(pb::MeshMode::Unspecified | pb::MeshMode::TwoSided) => {}
+        Ok(pb::MeshMode::OneSided) => return Err(not_yet("mode", "use MESH_MODE_TWO_SIDED; it was ONE_SIDED")),
+        Ok(pb::MeshMode::Solid) => return Err(not_yet("mode", "use MESH_MODE_TWO_SIDED; it was SOLID")),
+        Err(_) => {
+            return Err(unknown_enum(
+                "mode",
+                mesh.mode,
+                "MESH_MODE_TWO_SIDED (1), ONE_SIDED (2), SOLID (3)",
+            ));
+        }
+    }
+    if mesh.decompose.is_some() {
+        return Err(not_yet("decompose", "send convex parts as hulls of one group"));
+    }
+    let vertices = points("vertices", &mesh.vertices)?;
+    let (indices, rest) = mesh.indices.as_chunks::<3>();
+    if !rest.is_empty() {
+        let what = format!(
+            "has {} numbers: it must have three for each triangle",
+            mesh.indices.len()
+        );
+        return Err(Problem::at("indices", Reason::ColumnLength, what));
+    }
+    made("", Geometry::mesh(&vertices, indices))
+}
+
+fn points(field: &'static str, numbers: &[f32]) -> Checked<Vec<DVec3>> {
+    let (points, rest) = numbers.as_chunks::<3>();
+    if !rest.is_empty() {
+        let what = format!(
+            "has {} numbers: it must have three (x, y, z) for each point",
+            numbers.len()
+        );
+        return Err(Problem::at(field, Reason::ColumnLength, what));
+    }
+    let mut checked = Vec::with_capacity(points.len());
+    for (place, &[x, y, z]) in points.iter().enumerate() {
+        // Checked here and not only in the domain, so that the place is the number's in the list that was sent.
+        let number = |offset: usize, value| column_number(field, 3 * place + offset, value);
+        checked.push(DVec3::new(number(0, x)?, number(1, y)?, number(2, z)?));
+    }
+    Ok(checked)
+}
+
+fn made(kind: &'static str, result: Result<Geometry, GeometryError>) -> Checked<Geometry> {
+    result.map_err(refused).under(kind)
+}
+
+fn refused(error: GeometryError) -> Problem {
+    match error {
+        GeometryError::NotFinite { field, value } => super::number::not_finite(field, value),
+        GeometryError::OutOfLimits { field, value, allowed } => {
+            Problem::at(field, Reason::OutOfLimits, format!("is {value}: it must be {allowed}"))
+        }
+        GeometryError::ColumnLength { field, found, expected } => {
+            Problem::at(field, Reason::ColumnLength, format!("has {found} numbers: {expected}"))
+        }
+        GeometryError::TooMany { field, found, most } => {
+            let what = format!("has {found} items: at most {most} are allowed");
+            Problem::at(field, Reason::TooManyItems, what)
+        }
+        GeometryError::Bad { field, reason } if reason.starts_with("is ") => {
+            Problem::at(field, Reason::BadGeometry, reason)
+        }
+        GeometryError::Bad { field, reason } => Problem::at(field, Reason::BadGeometry, format!(": {reason}")),
+    }
+}
+
+fn not_yet(field: &'static str, meanwhile: &str) -> Problem {
+    let what = format!("is not served yet: a later version will; meanwhile {meanwhile}");
+    Problem::at(field, Reason::NotYet, what)
+}
+
+/// A geometry as a shape's: simple forms in place, hulls and meshes by id.
+pub(crate) fn geometry_out(geometry: &Geometry) -> pb::Geometry {
+    let (kind, rounding) = match geometry.form() {
+        Form::Convex(convex) => convex_out(convex).unwrap_or_else(|| (by_id(geometry), 0.0)),
+        Form::Mesh(_) => (by_id(geometry), 0.0),
+    };
+    pb::Geometry {
+        kind: Some(kind),
+        rounding,
+        scale: None,
+    }
+}
+
+fn by_id(geometry: &Geometry) -> Kind {
+    Kind::GeometryId(id_text(geometry.id()))
+}
+
+fn convex_out(convex: &Convex) -> Option<(Kind, f64)> {
+    let radius = convex.radius;
+    match &convex.core {
+        Core::Point if radius > 0.0 => Some((Kind::Sphere(pb::Sphere { radius }), 0.0)),
+        Core::Point => Some((Kind::Point(pb::Point {}), 0.0)),
+        &Core::Segment { half_height } => Some((Kind::Capsule(pb::Capsule { half_height, radius }), 0.0)),
+        Core::Cuboid { half_extents: half } => {
+            let half_extents = Some(pb::Vec3 {
+                x: half.x,
+                y: half.y,
+                z: half.z,
+            });
+            Some((Kind::Box(pb::Cuboid { half_extents }), radius))
+        }
+        Core::Hull(_) | Core::Triangle(_) => None,
+    }
+}
+
+/// What is said of a registered geometry that `shape_count` shapes use.
+///
+/// # Errors
+/// Its bounds are not finite, which is a fault of the server.
+pub(crate) fn info_out(geometry: &Geometry, shape_count: u64) -> Checked<pb::GeometryInfo> {
+    let (vertex_count, face_count, warnings) = match geometry.form() {
+        Form::Convex(convex) => (convex_vertex_count(&convex.core), 0, Vec::new()),
+        Form::Mesh(mesh) => (mesh.vertices().len(), mesh.triangles().len(), mesh_warnings(mesh)),
+    };
+    Ok(pb::GeometryInfo {
+        geometry_id: id_text(geometry.id()),
+        state: pb::GeometryState::Ready.into(),
+        progress: 1.0,
+        bounds: Some(aabb_out(geometry.local_bounds())?),
+        vertex_count: vertex_count as u64,
+        face_count: face_count as u64,
+        decomposition: None,
+        memory_bytes: geometry.memory_bytes(),
+        shape_count,
+        warnings,
+        problem: None,
+    })
+}
+
+fn convex_vertex_count(core: &Core) -> usize {
+    match core {
+        Core::Point => 1,
+        Core::Segment { .. } => 2,
+        Core::Cuboid { .. } => 8,
+        Core::Hull(hull) => hull.vertices().len(),
+        Core::Triangle(_) => 3,
+    }
+}
+
+fn mesh_warnings(mesh: &Mesh) -> Vec<String> {
+    let report = mesh.report();
+    let found = [
+        (report.degenerate, "triangles without area were left out"),
+        (
+            report.merged_vertices,
+            "vertices were equal to an earlier one and merged with it",
+        ),
+        (
+            report.open_edges,
+            "edges belong to one triangle only: the surface is open there",
+        ),
+        (report.non_manifold_edges, "edges belong to more than two triangles"),
+    ];
+    let found = found.into_iter().filter(|(count, _)| *count > 0);
+    found.map(|(count, what)| format!("{count} {what}")).collect()
+}

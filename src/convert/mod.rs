@@ -1,0 +1,14 @@
+//! Wire messages to checked values of the domain, and its answers back to wire messages.
+//!
+//! Nothing that comes out of here towards the domain is out of limits, and nothing that goes out to a client is NaN,
+//! infinite or a negative zero. Each function names fields relative to the message it is given; who holds that message
+//! puts its own name before them.
+
+pub(crate) mod answer;
+pub(crate) mod columns;
+pub(crate) mod edit;
+pub(crate) mod geometry;
+pub(crate) mod number;
+pub(crate) mod place;
+pub(crate) mod question;
+pub(crate) mod shape;

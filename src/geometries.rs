@@ -1,0 +1,209 @@
+//! A session's geometries: each is kept once, by the hash of its content.
+
+use std::{
+    collections::{BTreeMap, HashMap},
+    ops::Bound::{Excluded, Unbounded},
+    sync::{Arc, Weak},
+};
+
+use collision::{
+    shape::{Geometry, GeometryId},
+    world::Snapshot,
+};
+use parking_lot::Mutex;
+
+use crate::problem::{Checked, Problem, Reason};
+
+/// Rough memory of one shape in a world besides its geometry: itself, its leaf and its box.
+const SHAPE_BYTES: u64 = 512;
+/// Shapes looked at in one go when uses are counted.
+const PAGE: usize = 4096;
+
+/// The geometries of a session.
+#[derive(Debug)]
+pub(crate) struct Geometries {
+    held: Mutex<Held>,
+    /// Memory that geometries and shapes may take, bytes.
+    quota_bytes: u64,
+}
+
+#[derive(Debug, Default)]
+struct Held {
+    registered: BTreeMap<GeometryId, Arc<Geometry>>,
+    /// Written in place somewhere; held by the shapes that use them, and shared between equal ones.
+    in_place: HashMap<GeometryId, Weak<Geometry>>,
+    /// How many may be in `in_place` before those nobody holds any more are dropped.
+    sweep_at: usize,
+    /// What they held when they were last counted, and all that came since.
+    counted_bytes: u64,
+}
+
+impl Held {
+    const SWEEP_LEAST: usize = 1024;
+
+    fn find(&self, id: GeometryId) -> Option<Arc<Geometry>> {
+        let in_place = || self.in_place.get(&id).and_then(Weak::upgrade);
+        self.registered.get(&id).cloned().or_else(in_place)
+    }
+
+    fn sweep(&mut self) {
+        if self.in_place.len() >= self.sweep_at.max(Self::SWEEP_LEAST) {
+            self.in_place.retain(|_, geometry| geometry.strong_count() > 0);
+            self.sweep_at = self.in_place.len() * 2;
+        }
+    }
+
+    /// Counts what they hold now. Costs a pass over all of them.
+    fn count_bytes(&mut self) -> u64 {
+        let in_place = self
+            .in_place
+            .iter()
+            .filter(|(id, _)| !self.registered.contains_key(*id));
+        let in_place = in_place.filter_map(|(_, geometry)| geometry.upgrade());
+        let in_place: u64 = in_place.map(|geometry| geometry.memory_bytes()).sum();
+        let registered: u64 = self.registered.values().map(|geometry| geometry.memory_bytes()).sum();
+        self.counted_bytes = in_place + registered;
+        self.counted_bytes
+    }
+
+    /// Whether they and `more` bytes are within the quota; counts again before it says no.
+    fn check_quota(&mut self, more: u64, quota_bytes: u64) -> Checked<()> {
+        if self.counted_bytes + more <= quota_bytes {
+            return Ok(());
+        }
+        let used = self.count_bytes() + more;
+        if used <= quota_bytes {
+            return Ok(());
+        }
+        let what = format!(
+            "the session would hold about {used} bytes and may hold {quota_bytes}: remove shapes, delete geometries, or \
+             raise session_memory_bytes"
+        );
+        Err(Problem::new(Reason::QuotaExceeded, what)
+            .with("quota", "session_memory_bytes")
+            .with("limit", quota_bytes))
+    }
+}
+
+impl Geometries {
+    /// None yet; all of them and the shapes together may take `quota_bytes`.
+    pub(crate) fn new(quota_bytes: u64) -> Self {
+        Self {
+            held: Mutex::default(),
+            quota_bytes,
+        }
+    }
+
+    /// Registers a geometry; the one that is kept, if there is an equal one.
+    ///
+    /// # Errors
+    /// The memory quota.
+    pub(crate) fn register(&self, geometry: Geometry, world: &Snapshot) -> Checked<Arc<Geometry>> {
+        let id = geometry.id();
+        let mut held = self.held.lock();
+        if let Some(known) = held.registered.get(&id) {
+            return Ok(known.clone());
+        }
+        let geometry = held.find(id).unwrap_or_else(|| Arc::new(geometry));
+        let bytes = geometry.memory_bytes();
+        held.check_quota(bytes + shape_bytes(world.len()), self.quota_bytes)?;
+        held.counted_bytes += bytes;
+        held.registered.insert(id, geometry.clone());
+        Ok(geometry)
+    }
+
+    /// The shared copy of a geometry that was written in place.
+    pub(crate) fn share(&self, geometry: Geometry) -> Arc<Geometry> {
+        let id = geometry.id();
+        let mut held = self.held.lock();
+        if let Some(known) = held.find(id) {
+            return known;
+        }
+        held.sweep();
+        let geometry = Arc::new(geometry);
+        held.counted_bytes += geometry.memory_bytes();
+        held.in_place.insert(id, Arc::downgrade(&geometry));
+        geometry
+    }
+
+    /// The geometry of an id.
+    ///
+    /// # Errors
+    /// `text` is no id, or nothing is registered under it.
+    pub(crate) fn get(&self, text: &str) -> Checked<Arc<Geometry>> {
+        let found = parse_id(text).and_then(|id| self.held.lock().find(id));
+        found.ok_or_else(|| {
+            let what = format!("is {text:?}: this session knows no such geometry; CreateGeometry gives the id");
+            Problem::at("geometry_id", Reason::GeometryNotFound, what)
+        })
+    }
+
+    /// Registered geometries after `after`, by id, at most `most`.
+    pub(crate) fn after(&self, after: Option<GeometryId>, most: usize) -> Vec<Arc<Geometry>> {
+        let held = self.held.lock();
+        let from = after.map_or(Unbounded, Excluded);
+        let range = held.registered.range((from, Unbounded));
+        range.take(most).map(|(_, geometry)| geometry.clone()).collect()
+    }
+
+    /// Forgets a geometry: it can no longer be named. What uses it keeps it.
+    pub(crate) fn forget(&self, text: &str) {
+        if let Some(id) = parse_id(text) {
+            let mut held = self.held.lock();
+            held.registered.remove(&id);
+            held.in_place.remove(&id);
+        }
+    }
+
+    /// Bytes that the geometries hold now, lazily built structures included.
+    pub(crate) fn memory_bytes(&self) -> u64 {
+        self.held.lock().count_bytes()
+    }
+
+    /// Checks that a world of so many shapes stays within the memory quota.
+    ///
+    /// # Errors
+    /// The memory quota.
+    pub(crate) fn check_room(&self, shape_count: usize) -> Checked<()> {
+        let mut held = self.held.lock();
+        held.check_quota(shape_bytes(shape_count), self.quota_bytes)
+    }
+}
+
+/// How many shapes of a world use each of `geometries`, in the same order. Costs a pass over all shapes.
+pub(crate) fn uses(world: &Snapshot, geometries: &[Arc<Geometry>]) -> Vec<u64> {
+    let places = geometries.iter().enumerate();
+    let places: HashMap<*const Geometry, usize> =
+        places.map(|(place, geometry)| (Arc::as_ptr(geometry), place)).collect();
+    let mut counts = vec![0; geometries.len()];
+    let mut after = None;
+    loop {
+        let page = world.shapes_after(after, PAGE, None);
+        for shape in &page {
+            if let Some(&place) = places.get(&Arc::as_ptr(&shape.geometry)) {
+                counts[place] += 1;
+            }
+        }
+        match page.last() {
+            Some(last) if page.len() == PAGE => after = Some(last.id),
+            _ => return counts,
+        }
+    }
+}
+
+/// An id as it is sent: 64 hex digits.
+pub(crate) fn id_text(id: GeometryId) -> String {
+    blake3::Hash::from_bytes(id.0).to_hex().to_string()
+}
+
+/// The id in a text, if it is one.
+pub(crate) fn parse_id(text: &str) -> Option<GeometryId> {
+    let hash = blake3::Hash::from_hex(text).ok()?;
+    Some(GeometryId(*hash.as_bytes()))
+}
+
+fn shape_bytes(shape_count: usize) -> u64 {
+    u64::try_from(shape_count)
+        .unwrap_or(u64::MAX)
+        .saturating_mul(SHAPE_BYTES)
+}

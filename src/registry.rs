@@ -1,0 +1,262 @@
+//! All sessions of a server: found by name and entered by token, made, listed, ended.
+
+use std::{
+    collections::BTreeMap,
+    ops::Bound::{Excluded, Unbounded},
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use parking_lot::{Mutex, RwLock};
+
+use crate::{
+    config::Settings,
+    problem::{Checked, Problem, Reason},
+    retry::{RetryCache, RetryKey},
+    session::{Access, Session},
+    token::{Role, TokenHash, Tokens, random_hex},
+};
+
+/// The session that an empty name means.
+pub(crate) const DEFAULT: &str = "default";
+/// How often leases are looked at.
+const SWEEP_EVERY: Duration = Duration::from_millis(250);
+/// How often an id is chosen anew because it was taken; at 64 random bits once is already improbable.
+const CHOICES: usize = 8;
+
+/// All sessions.
+#[derive(Debug)]
+pub(crate) struct Registry {
+    settings: Settings,
+    operator: Option<TokenHash>,
+    sessions: RwLock<BTreeMap<String, Arc<Session>>>,
+    /// Sessions made, for retries. For five minutes this holds what the first answer held, token included.
+    created: Mutex<RetryCache<Created>>,
+}
+
+/// A session that was made, and its owner's token.
+#[derive(Clone, Debug)]
+pub(crate) struct Created {
+    pub(crate) session: Arc<Session>,
+    pub(crate) token: String,
+}
+
+impl Registry {
+    /// The registry of a new server, with the open session if the settings want it.
+    ///
+    /// # Errors
+    /// The open session's world cannot be made.
+    pub(crate) fn new(settings: Settings) -> Checked<Self> {
+        let registry = Self {
+            operator: settings.operator_token.as_deref().map(TokenHash::of),
+            sessions: RwLock::default(),
+            created: Mutex::default(),
+            settings,
+        };
+        if registry.settings.has_default_session() {
+            registry
+                .sessions
+                .write()
+                .insert(DEFAULT.to_owned(), registry.open_session()?);
+        }
+        Ok(registry)
+    }
+
+    /// The session of a name, for a caller who may do at least what `least` may. Renews its lease.
+    ///
+    /// # Errors
+    /// There is no such session, no token, a wrong one, or one that allows too little.
+    pub(crate) fn enter(&self, name: &str, token: Option<&str>, least: Role) -> Checked<(Arc<Session>, Role)> {
+        let session = self.find(name)?;
+        let role = session.role_of(token)?;
+        if role < least {
+            let what = format!(
+                "the token's role is {}, and this call needs {}",
+                role.name(),
+                least.name()
+            );
+            return Err(Problem::new(Reason::RoleTooLow, what));
+        }
+        session.lease.renew(None);
+        Ok((session, role))
+    }
+
+    /// Checks that a caller is the operator.
+    ///
+    /// # Errors
+    /// No token, or another one; this server has no operator's token.
+    pub(crate) fn check_operator(&self, token: Option<&str>) -> Checked<()> {
+        match (self.operator, token) {
+            (None, _) => Err(Problem::new(
+                Reason::RoleTooLow,
+                "this server has no operator's token: start it with operator_token to allow this call",
+            )),
+            (Some(_), None) => Err(Problem::new(
+                Reason::NoToken,
+                "this call needs the operator's token, as `authorization: Bearer TOKEN`",
+            )),
+            (Some(operator), Some(token)) if operator == TokenHash::of(token) => Ok(()),
+            (Some(_), Some(_)) => Err(Problem::new(Reason::RoleTooLow, "the token is not the operator's")),
+        }
+    }
+
+    /// Makes a session; the same one again if `retry` was seen before.
+    ///
+    /// # Errors
+    /// The id is taken or not well formed, there are too many sessions.
+    pub(crate) fn create(&self, wish: &str, lease: Option<Duration>, retry: Option<RetryKey>) -> Checked<Created> {
+        let now = Instant::now();
+        // Held throughout, so that a retry which comes while the first is under way waits for its answer.
+        let mut created = self.created.lock();
+        if let Some(first) = created.find(retry.as_ref(), now)? {
+            return Ok(first);
+        }
+        let id = if wish.is_empty() {
+            self.choose_id()?
+        } else {
+            checked_id(wish)?
+        };
+        let mut tokens = Tokens::default();
+        let token = tokens.create(Role::Owner)?;
+        let lease = lease.unwrap_or(self.settings.default_lease);
+        let access = Access::ByToken(Mutex::new(tokens));
+        let session = Arc::new(Session::new(id.clone(), access, Some(lease), &self.settings)?);
+        let mut sessions = self.sessions.write();
+        if sessions.contains_key(&id) {
+            let what = format!("is {id:?}, which is taken: choose another id, or leave it empty");
+            return Err(Problem::at("session", Reason::SessionExists, what));
+        }
+        let limit = self.settings.max_sessions;
+        if sessions.len() >= limit {
+            let what = format!("the server has {limit} sessions, which is the most it may have: delete one first");
+            return Err(Problem::new(Reason::QuotaExceeded, what)
+                .with("quota", "max_sessions")
+                .with("limit", limit));
+        }
+        sessions.insert(id, session.clone());
+        let answer = Created { session, token };
+        created.keep(retry, &answer, now);
+        tracing::info!(session = answer.session.id, "session created");
+        Ok(answer)
+    }
+
+    /// Ends a session that `enter` gave. The open session begins anew, at tick 1.
+    ///
+    /// # Errors
+    /// The open session's new world cannot be made.
+    pub(crate) fn end(&self, session: &Arc<Session>) -> Checked<()> {
+        let renewed = match self.is_open(session) {
+            true => Some(self.open_session()?),
+            false => None,
+        };
+        let mut sessions = self.sessions.write();
+        // Somebody may have ended it, and made another of that name, meanwhile.
+        if sessions.get(&session.id).is_some_and(|held| Arc::ptr_eq(held, session)) {
+            sessions.remove(&session.id);
+            sessions.extend(renewed.map(|renewed| (session.id.clone(), renewed)));
+        }
+        drop(sessions);
+        session.ended.cancel();
+        tracing::info!(session = session.id, "session ended");
+        Ok(())
+    }
+
+    /// Sessions after `after`, by id, at most `most`.
+    pub(crate) fn after(&self, after: &str, most: usize) -> Vec<Arc<Session>> {
+        let sessions = self.sessions.read();
+        let from = if after.is_empty() { Unbounded } else { Excluded(after) };
+        let range = sessions.range::<str, _>((from, Unbounded));
+        range.take(most).map(|(_, session)| session.clone()).collect()
+    }
+
+    /// Ends sessions whose lease is over, for as long as the server lives.
+    pub(crate) async fn sweep_leases(&self) {
+        let mut every = tokio::time::interval(SWEEP_EVERY);
+        every.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+        loop {
+            every.tick().await;
+            let sessions: Vec<_> = self.sessions.read().values().cloned().collect();
+            for session in sessions {
+                session.sweep();
+                if session.lease.is_over()
+                    && let Err(problem) = self.end(&session)
+                {
+                    tracing::error!(session = session.id, ?problem, "a session could not be ended");
+                }
+            }
+        }
+    }
+
+    fn find(&self, name: &str) -> Checked<Arc<Session>> {
+        let wanted = if name.is_empty() { DEFAULT } else { name };
+        let found = self
+            .sessions
+            .read()
+            .get(wanted)
+            .filter(|session| !session.lease.is_over())
+            .cloned();
+        found.ok_or_else(|| {
+            let what = if name.is_empty() {
+                "is empty, which means \"default\", and this server has no such session: name the one that CreateSession \
+                 gave"
+                    .to_owned()
+            } else {
+                format!("is {name:?}: there is no such session; it may have ended with its lease")
+            };
+            Problem::at("session", Reason::SessionNotFound, what)
+        })
+    }
+
+    fn open_session(&self) -> Checked<Arc<Session>> {
+        let access = Access::Open(Mutex::default());
+        Ok(Arc::new(Session::new(
+            DEFAULT.to_owned(),
+            access,
+            None,
+            &self.settings,
+        )?))
+    }
+
+    fn is_open(&self, session: &Session) -> bool {
+        session.id == DEFAULT && self.settings.has_default_session()
+    }
+
+    fn choose_id(&self) -> Checked<String> {
+        for _ in 0..CHOICES {
+            let id = format!("s-{}", random_hex(8)?);
+            if !self.sessions.read().contains_key(&id) {
+                return Ok(id);
+            }
+        }
+        Err(Problem::new(Reason::Internal, "no free session id was found"))
+    }
+}
+
+/// A wished id, if it is well formed.
+fn checked_id(wish: &str) -> Checked<String> {
+    let mut bytes = wish.bytes();
+    let well_formed = bytes.next().is_some_and(|first| first.is_ascii_lowercase())
+        && bytes.all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-')
+        && wish.len() <= 63;
+    if well_formed {
+        return Ok(wish.to_owned());
+    }
+    let what = format!("is {wish:?}: an id is a letter a-z and up to 62 of a-z, 0-9 and -, such as \"arena-7\"");
+    Err(Problem::at("session", Reason::OutOfLimits, what))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_a_letter_and_up_to_62_more() {
+        for good in ["a", "arena-7", &"x".repeat(63)] {
+            assert_eq!(checked_id(good).unwrap(), good);
+        }
+        for bad in ["7up", "-a", "A", "a_b", "ä", &"x".repeat(64)] {
+            let status = tonic::Status::from(checked_id(bad).unwrap_err());
+            assert!(status.message().contains("arena-7"), "{status}");
+        }
+    }
+}

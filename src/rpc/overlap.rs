@@ -1,0 +1,23 @@
+//! `Overlap`: what touches a subject.
+
+use wire::v1 as pb;
+
+use super::scene::Scene;
+use crate::{
+    convert::{answer as found, question as asked},
+    problem::Checked,
+};
+
+/// Answers it on the scene's version.
+///
+/// # Errors
+/// What is wrong with the question, the deadline.
+pub(super) fn answer(sent: &pb::OverlapRequest, scene: &Scene) -> Checked<pb::OverlapResponse> {
+    let question = asked::overlap(sent, &scene.session.geometries)?;
+    let terms = scene.shared.overridden_by(sent.options.as_ref())?;
+    let (hits, work) = scene.ask(|meter| scene.snapshot.overlap(&question, &terms.filter, &terms.accuracy, meter))?;
+    Ok(pb::OverlapResponse {
+        info: scene.info(&terms, &work),
+        ..found::overlap(&hits)?
+    })
+}

@@ -1,0 +1,165 @@
+//! What a question is asked in: one version of a session's world, the terms it is asked on, and its deadline.
+
+use std::sync::{Arc, atomic::Ordering};
+
+use collision::{
+    accuracy::Accuracy,
+    answer::{Verdict, Work},
+    world::{Filter, Found, Meter, QuestionError, Snapshot},
+};
+use prost::Message;
+use tonic::{Request, Response, Status};
+use wire::v1 as pb;
+
+use super::{Caller, Server, fitting};
+use crate::{
+    compute::{self, Weight},
+    convert::{answer, question},
+    deadline::Deadline,
+    fence::fenced,
+    problem::{Checked, Under},
+    session::Session,
+    token::Role,
+};
+
+/// What applies to a question.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Terms {
+    pub(super) filter: Filter,
+    pub(super) accuracy: Accuracy,
+    explain: bool,
+}
+
+impl Terms {
+    /// These terms where `own` says nothing else.
+    pub(super) fn overridden_by(&self, own: Option<&pb::QueryOptions>) -> Checked<Self> {
+        let Some(own) = own else { return Ok(self.clone()) };
+        let filter = match &own.filter {
+            Some(filter) => question::filter(Some(filter)).under("options.filter")?,
+            None => self.filter.clone(),
+        };
+        let accuracy = match &own.accuracy {
+            Some(accuracy) => question::accuracy(Some(accuracy)).under("options.accuracy")?,
+            None => self.accuracy,
+        };
+        Ok(Self {
+            filter,
+            accuracy,
+            explain: self.explain || own.explain,
+        })
+    }
+}
+
+/// Whether an answer names the tick it was found on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Naming {
+    /// It does.
+    Tick,
+    /// The batch around it does.
+    Nothing,
+}
+
+/// What a question is asked in.
+#[derive(Clone, Debug)]
+pub(super) struct Scene {
+    pub(super) session: Arc<Session>,
+    pub(super) snapshot: Arc<Snapshot>,
+    pub(super) deadline: Deadline,
+    /// What applies to each question that does not say otherwise.
+    pub(super) shared: Terms,
+    pub(super) naming: Naming,
+}
+
+impl Scene {
+    /// Asks, with a meter that stops at the deadline.
+    ///
+    /// # Errors
+    /// What the world refuses, the deadline, a panic.
+    pub(super) fn ask<H>(
+        &self,
+        asked: impl FnOnce(&mut Meter<'_>) -> Result<Found<H>, QuestionError>,
+    ) -> Checked<(Found<H>, Work)> {
+        let mut keep_going = || self.deadline.is_ahead();
+        let mut meter = Meter::new(&mut keep_going);
+        let found = fenced("answering a question", || asked(&mut meter))?;
+        let found = found.map_err(|error| answer::refused(&error, self.snapshot.tick()))?;
+        let counters = &self.session.counters;
+        counters.questions.fetch_add(1, Ordering::Relaxed);
+        if found.verdict == Verdict::Undecided {
+            counters.undecided.fetch_add(1, Ordering::Relaxed);
+        }
+        Ok((found, meter.work))
+    }
+
+    /// What an answer says about itself.
+    pub(super) fn info(&self, terms: &Terms, work: &Work) -> Option<pb::AnswerInfo> {
+        let work = terms.explain.then(|| answer::work(work));
+        match self.naming {
+            Naming::Tick => Some(pb::AnswerInfo {
+                tick: self.snapshot.tick().get(),
+                tick_fraction: 0.0,
+                work,
+            }),
+            Naming::Nothing => work.map(|work| pb::AnswerInfo {
+                work: Some(work),
+                ..pb::AnswerInfo::default()
+            }),
+        }
+    }
+}
+
+/// A request that asks one question of a session.
+pub(super) trait Asking: Message + 'static {
+    /// Which session.
+    fn session(&self) -> &str;
+    /// What applies to it.
+    fn options(&self) -> Option<&pb::QueryOptions>;
+}
+
+macro_rules! asking {
+    ($($request:ty),*) => {
+        $(impl Asking for $request {
+            fn session(&self) -> &str {
+                &self.session
+            }
+
+            fn options(&self) -> Option<&pb::QueryOptions> {
+                self.options.as_ref()
+            }
+        })*
+    };
+}
+
+asking!(
+    pb::RaycastRequest,
+    pb::OverlapRequest,
+    pb::PenetrationRequest,
+    pb::TimeOfImpactRequest,
+    pb::DistanceRequest
+);
+
+/// Answers a unary question.
+///
+/// # Errors
+/// What is wrong with it.
+pub(super) async fn unary<Q: Asking, A: Message + 'static>(
+    server: &Server,
+    request: Request<Q>,
+    answer: fn(&Q, &Scene) -> Checked<A>,
+) -> Result<Response<A>, Status> {
+    let caller = Caller::of(&request);
+    let asked = request.into_inner();
+    let session = server.enter(&caller, asked.session(), Role::Reader)?;
+    let read_at = asked.options().and_then(|options| options.read_at.as_ref());
+    let read_at = question::read_at(read_at).under("options.read_at")?;
+    let scene = Scene {
+        snapshot: session.pin(read_at, caller.deadline).await.under("options")?,
+        session,
+        deadline: caller.deadline,
+        shared: Terms::default(),
+        naming: Naming::Tick,
+    };
+    let weight = Weight::of_message(asked.encoded_len());
+    let answered = compute::run(weight, "answering a question", move || answer(&asked, &scene)).await?;
+    Ok(Response::new(fitting(answered, "ask for fewer hits")?))
+}

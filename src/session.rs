@@ -1,0 +1,306 @@
+//! A session: one world, its versions, its geometries, its tokens and its lease.
+
+use std::{
+    collections::HashSet,
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::{Duration, Instant, SystemTime},
+};
+
+use arc_swap::ArcSwap;
+use collision::world::{Edit, EditError, EditReport, EditRule, Snapshot, Tick, Time};
+use parking_lot::Mutex;
+use tokio::sync::watch;
+use tokio_util::sync::CancellationToken;
+
+use crate::{
+    config::Settings,
+    deadline::Deadline,
+    geometries::Geometries,
+    lease::Lease,
+    problem::{Checked, Problem, Reason},
+    token::{Role, Tokens},
+    writer::{When, Writer},
+};
+
+/// Versions kept for readers of further pages.
+const PAGED_VERSIONS: usize = 16;
+/// How long they are kept after the last page.
+const PAGED_FOR: Duration = Duration::from_secs(60);
+
+/// Which version is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum ReadAt {
+    /// The newest.
+    Newest,
+    /// Exactly this one, and how far on towards the next.
+    Tick(Tick, f64),
+    /// The newest, once it is at least this.
+    MinTick(Tick),
+    /// That of this time.
+    Time(Time),
+}
+
+/// Who may do what in a session.
+#[derive(Debug)]
+pub(crate) enum Access {
+    /// Everybody may do everything; a token of the session is still held to its role.
+    Open(Mutex<Tokens>),
+    /// Only who has a token.
+    ByToken(Mutex<Tokens>),
+}
+
+/// What was done in a session.
+#[derive(Debug, Default)]
+pub(crate) struct Counters {
+    pub(crate) questions: AtomicU64,
+    pub(crate) undecided: AtomicU64,
+    pub(crate) edits: AtomicU64,
+}
+
+/// A session.
+#[derive(Debug)]
+pub(crate) struct Session {
+    pub(crate) id: String,
+    pub(crate) created: SystemTime,
+    pub(crate) lease: Lease,
+    pub(crate) geometries: Geometries,
+    pub(crate) counters: Counters,
+    /// The one writer. Whoever waits for it gives way to others meanwhile; large batches hold it on another thread.
+    pub(crate) writer: Arc<tokio::sync::Mutex<Writer>>,
+    /// Cancelled when the session ends.
+    pub(crate) ended: CancellationToken,
+    access: Access,
+    newest: ArcSwap<Snapshot>,
+    newest_tick: watch::Sender<Tick>,
+    paged: Mutex<Vec<(Instant, Arc<Snapshot>)>>,
+    shape_quota: usize,
+}
+
+impl Session {
+    /// A session with an empty world.
+    ///
+    /// # Errors
+    /// The world cannot be made.
+    pub(crate) fn new(id: String, access: Access, lease: Option<Duration>, settings: &Settings) -> Checked<Self> {
+        let writer = Writer::new()?;
+        let newest = writer.world.newest();
+        Ok(Self {
+            id,
+            created: SystemTime::now(),
+            lease: Lease::new(lease),
+            geometries: Geometries::new(settings.session_memory_bytes),
+            counters: Counters::default(),
+            writer: Arc::new(tokio::sync::Mutex::new(writer)),
+            ended: CancellationToken::new(),
+            access,
+            newest_tick: watch::Sender::new(newest.tick()),
+            newest: ArcSwap::new(newest),
+            paged: Mutex::default(),
+            shape_quota: settings.session_shapes,
+        })
+    }
+
+    /// What the bearer of `token` may do here.
+    ///
+    /// # Errors
+    /// There is no token, or it is not one of this session.
+    pub(crate) fn role_of(&self, token: Option<&str>) -> Checked<Role> {
+        match &self.access {
+            Access::Open(tokens) => Ok(token
+                .and_then(|token| tokens.lock().role_of(token))
+                .unwrap_or(Role::Owner)),
+            Access::ByToken(tokens) => {
+                let Some(token) = token else {
+                    let what = format!(
+                        "session {:?} needs a token: send the one of CreateSession as `authorization: Bearer TOKEN`",
+                        self.id
+                    );
+                    return Err(Problem::new(Reason::NoToken, what));
+                };
+                tokens.lock().role_of(token).ok_or_else(|| {
+                    let what = format!("the token is not one of session {:?}", self.id);
+                    Problem::new(Reason::NoToken, what)
+                })
+            }
+        }
+    }
+
+    /// Makes a token.
+    ///
+    /// # Errors
+    /// Too many tokens.
+    pub(crate) fn create_token(&self, role: Role) -> Checked<String> {
+        match &self.access {
+            Access::Open(tokens) | Access::ByToken(tokens) => tokens.lock().create(role),
+        }
+    }
+
+    /// The newest version.
+    pub(crate) fn newest(&self) -> Arc<Snapshot> {
+        self.newest.load_full()
+    }
+
+    /// The version that a question asks for. Waits, where that is asked, up to the deadline.
+    ///
+    /// # Errors
+    /// A version that is not held, or not there in time; the session ended.
+    pub(crate) async fn pin(&self, read_at: ReadAt, deadline: Deadline) -> Checked<Arc<Snapshot>> {
+        let newest = match read_at {
+            ReadAt::MinTick(tick) => self.wait_for(tick, deadline).await?,
+            ReadAt::Newest | ReadAt::Tick(..) | ReadAt::Time(_) => self.newest(),
+        };
+        match read_at {
+            ReadAt::Newest | ReadAt::MinTick(_) => Ok(newest),
+            ReadAt::Tick(tick, fraction) if tick == newest.tick() && fraction <= 0.0 => Ok(newest),
+            ReadAt::Tick(tick, _) if tick == newest.tick() => {
+                let what = format!("is above 0: there is no tick after {tick} yet, and nothing is extrapolated");
+                Err(not_held("read_at.tick_fraction", what, newest.tick()))
+            }
+            ReadAt::Tick(tick, _) if tick > newest.tick() => {
+                let what = format!(
+                    "is {tick}, which is not made yet: oldest and newest are {}; min_tick waits",
+                    newest.tick()
+                );
+                Err(not_held("read_at.tick", what, newest.tick()))
+            }
+            ReadAt::Tick(tick, _) => {
+                let what = format!(
+                    "is {tick}, which is no longer held: oldest and newest are {}, no history is kept yet",
+                    newest.tick()
+                );
+                Err(not_held("read_at.tick", what, newest.tick()))
+            }
+            ReadAt::Time(time) if time >= newest.time() => Ok(newest),
+            ReadAt::Time(_) => {
+                let what = format!(
+                    "is before the time of the oldest tick held: oldest and newest are {}, no history is kept yet",
+                    newest.tick()
+                );
+                Err(not_held("read_at.time", what, newest.tick()))
+            }
+        }
+    }
+
+    async fn wait_for(&self, tick: Tick, deadline: Deadline) -> Checked<Arc<Snapshot>> {
+        let newest = self.newest();
+        if newest.tick() >= tick {
+            return Ok(newest);
+        }
+        let mut ticks = self.newest_tick.subscribe();
+        tokio::select! {
+            biased;
+            // An error cannot be: the sender lives as long as this session.
+            _ = ticks.wait_for(|newest| *newest >= tick) => Ok(self.newest()),
+            () = self.ended.cancelled() => Err(self.ended_problem()),
+            () = deadline.passed() => {
+                let what = format!("is {tick}, and the newest tick is still {} at the call's deadline", self.newest().tick());
+                Err(Problem::at("read_at.min_tick", Reason::Deadline, what))
+            }
+        }
+    }
+
+    /// Applies a batch as one tick and makes it seen.
+    ///
+    /// # Errors
+    /// A quota, or the world is in quarantine; the world's own refusals are the inner error.
+    pub(crate) fn commit(
+        &self,
+        writer: &mut Writer,
+        edits: Vec<Edit>,
+        when: When,
+        rule: EditRule,
+    ) -> Checked<Result<EditReport, EditError>> {
+        self.check_quotas(&edits)?;
+        let applied = writer.apply(edits, when, rule)?;
+        if let Ok(report) = &applied {
+            self.newest.store(writer.world.newest());
+            self.newest_tick.send_replace(report.tick);
+            self.counters.edits.fetch_add(report.changed_count, Ordering::Relaxed);
+        }
+        Ok(applied)
+    }
+
+    /// Keeps a version for a while, so that further pages are of the same tick.
+    pub(crate) fn keep_for_paging(&self, snapshot: &Arc<Snapshot>) {
+        let now = Instant::now();
+        let mut paged = self.paged.lock();
+        paged.retain(|(used, kept)| kept.tick() != snapshot.tick() && now.duration_since(*used) < PAGED_FOR);
+        if paged.len() >= PAGED_VERSIONS {
+            paged.remove(0);
+        }
+        paged.push((now, snapshot.clone()));
+    }
+
+    /// A version that is the newest or was kept for paging.
+    ///
+    /// # Errors
+    /// It is no longer held.
+    pub(crate) fn paged(&self, tick: Tick) -> Checked<Arc<Snapshot>> {
+        let newest = self.newest();
+        if newest.tick() == tick {
+            return Ok(newest);
+        }
+        let kept = self
+            .paged
+            .lock()
+            .iter()
+            .find(|(_, kept)| kept.tick() == tick)
+            .map(|(_, kept)| kept.clone());
+        kept.ok_or_else(|| {
+            let what = format!(
+                "is of tick {tick}, which is no longer held: oldest and newest are {}; begin again without page_token \
+                 (pages are kept for 60 s)",
+                newest.tick()
+            );
+            not_held("page_token", what, newest.tick())
+        })
+    }
+
+    /// What may be let go now and then: versions that nobody read a further page of.
+    pub(crate) fn sweep(&self) {
+        let now = Instant::now();
+        self.paged
+            .lock()
+            .retain(|(used, _)| now.duration_since(*used) < PAGED_FOR);
+    }
+
+    /// What callers of a session are told that has ended meanwhile.
+    pub(crate) fn ended_problem(&self) -> Problem {
+        Problem::new(Reason::SessionNotFound, format!("session {:?} has ended", self.id))
+    }
+
+    fn check_quotas(&self, edits: &[Edit]) -> Checked<()> {
+        let newest = self.newest();
+        let inserted = edits.iter().filter_map(|edit| match edit {
+            Edit::Insert(shape) => Some(shape.id),
+            Edit::Move { .. } | Edit::Remove(_) | Edit::Clear => None,
+        });
+        let most_new = inserted.clone().count();
+        if most_new == 0 {
+            return Ok(());
+        }
+        let mut shape_count = newest.len() + most_new;
+        if shape_count > self.shape_quota {
+            let new: HashSet<_> = inserted.filter(|&id| newest.shape(id).is_none()).collect();
+            shape_count = newest.len() + new.len();
+        }
+        if shape_count > self.shape_quota {
+            let limit = self.shape_quota;
+            let what = format!("the world would hold {shape_count} shapes and may hold {limit}: remove some first");
+            return Err(Problem::new(Reason::QuotaExceeded, what)
+                .with("quota", "session_shapes")
+                .with("limit", limit));
+        }
+        self.geometries.check_room(shape_count)
+    }
+}
+
+/// A version that cannot be read; without history the newest is also the oldest.
+fn not_held(field: &str, what: String, newest: Tick) -> Problem {
+    Problem::at(field, Reason::TickNotHeld, what)
+        .with("oldest_tick", newest)
+        .with("newest_tick", newest)
+}
