@@ -9,17 +9,17 @@ pub const ROUNDING: f64 = f64::EPSILON / 2.0;
 /// is off by γ₃ of itself, and so is the `t` it is compared with: `1 + 2γ₃` (Ize 2013), here with one more rounding for
 /// the product itself. Smaller loses rays that graze edges; larger only visits more nodes. [`SLAB_SLACK`] covers the
 /// same rounding once more as long as it is taken relative to the farthest coordinate of a whole tree, so
-/// `tests/broad_static.rs` fails only if both are too small.
+/// `tests/broad/fixed.rs` fails only if both are too small.
 pub const SLAB_WIDENING: f64 = 1.0 + 8.0 * ROUNDING;
 
 /// Turns a computed entry (three roundings, as above) or a length that is the root of a sum of three squares (at most
 /// four) into a lower bound of the true one. Nearer to 1 it is none; farther from it only visits more nodes. Pinned by
-/// `the_bound_of_a_distance_is_never_above_it` in `tests/broad_static.rs`.
+/// `the_bound_of_a_distance_is_never_above_it` in `tests/broad/fixed.rs`.
 pub const SLAB_NARROWING: f64 = 1.0 - 8.0 * ROUNDING;
 
 /// How far the walls of a box are moved out before a slab test, as a part of the largest coordinate that takes part:
 /// two roundings of `wall ∓ reach` and four that the caller's path may carry (a position rotated into a frame).
-/// Smaller loses rays that lie in a wall; larger only visits more nodes. Pinned by `tests/broad_static.rs`.
+/// Smaller loses rays that lie in a wall; larger only visits more nodes. Pinned by `tests/broad/fixed.rs`.
 pub const SLAB_SLACK: f64 = 8.0 * ROUNDING;
 
 /// A sum of squares above this has all its digits: the smallest normal number, with room for the digits of squares that
@@ -88,5 +88,10 @@ pub const EXACT_MEETING: f64 = 32.0 * ROUNDING;
 /// Widens a length that is turned into a `t` of a search by dividing it by the length of the direction (root of a sum of
 /// three squares, four roundings; the division, this product, and as many on the way back): a shape that is passed over
 /// because its `t` is beyond the limit must be beyond it in metres as well, or answers would depend on the tree. Larger
-/// only visits more nodes. Pinned by `tests/world_questions.rs`.
+/// only visits more nodes. Pinned by `what_ends_at_the_limit_is_still_offered` in `world/raycast.rs`.
 pub const LIMIT_WIDENING: f64 = 1.0 + 64.0 * ROUNDING;
+
+/// One form's pose in the frame of another is off by less than this part of their distance and reach: 111 roundings for a
+/// position turned into the frame, and 4 · 30 · √3 for the product of two rounded unit quaternions as a rotation, 319
+/// together. Larger: more triangles are looked at; smaller: one might not be. Test: `pieces_data.rs`.
+pub const RELATIVE_POSE: f64 = 512.0 * ROUNDING;

@@ -4,6 +4,7 @@
 //! for the numbers sent, and never returns NaN. Results are symmetric: swapping the arguments swaps the answer.
 
 mod convex;
+mod pieces;
 mod ray;
 
 use glam::DVec3;
@@ -110,7 +111,7 @@ pub struct ImpactTouch {
 pub fn distance(a: Placed<'_>, b: Placed<'_>, limit: f64, accuracy: &Accuracy, work: &mut Work) -> Option<Separation> {
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::distance(a, b, limit, accuracy, work),
-        _ => todo!(),
+        _ => pieces::distance(a, b, limit, accuracy, work),
     }
 }
 
@@ -118,7 +119,7 @@ pub fn distance(a: Placed<'_>, b: Placed<'_>, limit: f64, accuracy: &Accuracy, w
 pub fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::overlap(a, b, accuracy, work),
-        _ => todo!(),
+        _ => pieces::overlap(a, b, accuracy, work),
     }
 }
 
@@ -135,7 +136,7 @@ pub fn penetration(
 ) -> Result<Vec<Contact>, NeedsDecomposition> {
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => Ok(convex::penetration(a, b, max_gap, accuracy, work).into_iter().collect()),
-        _ => todo!(),
+        _ => pieces::penetration(a, b, max_gap, accuracy, work),
     }
 }
 
@@ -155,7 +156,7 @@ pub fn linear_impact(
         (Some(a), Some(b)) => {
             convex::linear_impact(a, displacement_a, b, displacement_b, ignore_initial, accuracy, work)
         }
-        _ => todo!(),
+        _ => pieces::linear_impact(a, displacement_a, b, displacement_b, ignore_initial, accuracy, work),
     }
 }
 

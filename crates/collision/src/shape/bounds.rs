@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{Core, Form, Geometry};
+use super::{Convex, Core, Form, Geometry};
 use crate::{
     math::{
         Aabb, Pose,
@@ -15,50 +15,80 @@ use crate::{
 pub(super) fn local_bounds(form: &Form) -> Aabb {
     match form {
         Form::Mesh(mesh) => around(mesh.vertices()),
-        Form::Convex(convex) => {
-            let core = match &convex.core {
-                Core::Point => Aabb::new(DVec3::ZERO, DVec3::ZERO),
-                Core::Segment { half_height } => symmetric(DVec3::new(0.0, *half_height, 0.0)),
-                Core::Cuboid { half_extents } => symmetric(*half_extents),
-                Core::Hull(hull) => around(hull.vertices()),
-                Core::Triangle(corners) => around(corners),
-            };
-            sum(core, symmetric(DVec3::splat(convex.radius)))
-        }
+        Form::Convex(convex) => convex.local_bounds(),
     }
 }
 
 /// The largest distance of a point of the form from the local origin, rounded up.
 pub(super) fn reach(form: &Form) -> f64 {
-    let farthest = |points: &[DVec3]| points.iter().map(|point| length_up(*point)).fold(0.0, f64::max);
     match form {
         Form::Mesh(mesh) => farthest(mesh.vertices()),
-        Form::Convex(convex) => {
-            let core = match &convex.core {
-                Core::Point => 0.0,
-                Core::Segment { half_height } => *half_height,
-                Core::Cuboid { half_extents } => length_up(*half_extents),
-                Core::Hull(hull) => farthest(hull.vertices()),
-                Core::Triangle(corners) => farthest(corners),
-            };
-            add_up(core, convex.radius)
-        }
+        Form::Convex(convex) => convex.reach(),
     }
 }
 
-/// The box of a form at a pose.
+/// The box of a geometry at a pose.
 pub(super) fn placed_bounds(geometry: &Geometry, pose: &Pose) -> Aabb {
-    let position = Aabb::new(pose.position, pose.position);
-    if pose.rotation.xyz() == DVec3::ZERO {
-        return sum(geometry.local_bounds(), position);
+    if let Form::Convex(convex) = geometry.form()
+        && is_turned(pose)
+    {
+        return turned_convex(convex, geometry.reach(), pose);
     }
-    let turn = pose.matrix();
-    let pad = geometry.reach() * ROTATED_COORDINATE;
-    let (core, radius) = match geometry.form() {
-        Form::Mesh(_) => (turned_box(&turn, geometry.local_bounds()), 0.0),
-        Form::Convex(convex) => (turned_core(&turn, &convex.core), convex.radius),
+    let local = geometry.local_bounds();
+    let local = if is_turned(pose) {
+        turned_box(&pose.matrix(), local)
+    } else {
+        local
     };
-    sum(sum(core, symmetric(DVec3::splat(add_up(radius, pad)))), position)
+    sum(local, Aabb::new(pose.position, pose.position))
+}
+
+impl Convex {
+    /// The box of this form at a pose, rounded outwards so that it surely holds every point.
+    #[must_use]
+    pub(crate) fn bounds(&self, pose: &Pose) -> Aabb {
+        if is_turned(pose) {
+            turned_convex(self, self.reach(), pose)
+        } else {
+            sum(self.local_bounds(), Aabb::new(pose.position, pose.position))
+        }
+    }
+
+    /// The largest distance of a point of the form from the local origin, rounded up.
+    #[must_use]
+    pub(crate) fn reach(&self) -> f64 {
+        let core = match &self.core {
+            Core::Point => 0.0,
+            Core::Segment { half_height } => *half_height,
+            Core::Cuboid { half_extents } => length_up(*half_extents),
+            Core::Hull(hull) => farthest(hull.vertices()),
+            Core::Triangle(corners) => farthest(corners),
+        };
+        add_up(core, self.radius)
+    }
+
+    fn local_bounds(&self) -> Aabb {
+        let core = match &self.core {
+            Core::Point => Aabb::new(DVec3::ZERO, DVec3::ZERO),
+            Core::Segment { half_height } => symmetric(DVec3::new(0.0, *half_height, 0.0)),
+            Core::Cuboid { half_extents } => symmetric(*half_extents),
+            Core::Hull(hull) => around(hull.vertices()),
+            Core::Triangle(corners) => around(corners),
+        };
+        sum(core, symmetric(DVec3::splat(self.radius)))
+    }
+}
+
+/// Any turn but that of a quaternion along w, which is none, exactly.
+fn is_turned(pose: &Pose) -> bool {
+    pose.rotation.xyz() != DVec3::ZERO
+}
+
+fn turned_convex(convex: &Convex, reach: f64, pose: &Pose) -> Aabb {
+    let core = turned_core(&pose.matrix(), &convex.core);
+    let pad = add_up(convex.radius, reach * ROTATED_COORDINATE);
+    let turned = sum(core, symmetric(DVec3::splat(pad)));
+    sum(turned, Aabb::new(pose.position, pose.position))
 }
 
 fn turned_core(turn: &DMat3, core: &Core) -> Aabb {
@@ -89,6 +119,10 @@ fn turned_box(turn: &DMat3, local: Aabb) -> Aabb {
 
 fn absolute(turn: &DMat3) -> DMat3 {
     DMat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs())
+}
+
+fn farthest(points: &[DVec3]) -> f64 {
+    points.iter().map(|point| length_up(*point)).fold(0.0, f64::max)
 }
 
 fn around(points: &[DVec3]) -> Aabb {

@@ -18,7 +18,7 @@ pub struct Filter {
     pub exclude_sensors: bool,
     /// Leave out static shapes.
     pub exclude_static: bool,
-    /// Never shapes of these groups.
+    /// Never shapes of these groups; 0 is none.
     pub exclude_groups: Vec<u32>,
 }
 
@@ -59,7 +59,7 @@ impl<'a> Sieve<'a> {
             .is_some_and(|(id, group)| id == shape.id || (group != 0 && group == shape.group));
         let is_excluded = (self.filter.exclude_sensors && shape.sensor)
             || (self.filter.exclude_static && shape.mobility == Mobility::Static)
-            || self.filter.exclude_groups.contains(&shape.group)
+            || (shape.group != 0 && self.filter.exclude_groups.contains(&shape.group))
             || self.exclude_ids.binary_search(&shape.id).is_ok();
         is_wanted && !is_own && !is_excluded
     }

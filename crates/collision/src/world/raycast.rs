@@ -7,12 +7,12 @@ use super::{
     filter::Sieve,
     hits::{Gathered, Hit, raise},
     search::Side,
-    store::Entry,
 };
 use crate::{
     accuracy::Accuracy,
     answer::Certificate,
     broad::Path,
+    math::Aabb,
     narrow::{self, Ray, RayTouch},
     tolerance,
 };
@@ -76,9 +76,9 @@ impl Track {
         distance / self.length * tolerance::LIMIT_WIDENING
     }
 
-    /// Metres before which the ray does not enter the canonical box of a shape; `None` if it does not up to `limit`.
-    fn entry(&self, entry: &Entry, limit: f64) -> Option<f64> {
-        let t = self.path.entry(&entry.bounds, self.limit(limit))?;
+    /// Metres before which the ray does not enter the box of a shape; `None` if it does not up to `limit`.
+    fn entry(&self, bounds: Aabb, limit: f64) -> Option<f64> {
+        let t = self.path.entry(&bounds, self.limit(limit))?;
         let distance = t * self.length * tolerance::SLAB_NARROWING;
         (distance <= limit).then_some(distance)
     }
@@ -113,7 +113,7 @@ impl Snapshot {
         let mut gathered = Gathered::new(question.mode);
         self.along(&track.path, track.limit(ray.max_distance), meter, |meter, entry| {
             let limit = gathered.limit().min(ray.max_distance);
-            if let Some(least) = track.entry(entry, limit)
+            if let Some(least) = track.entry(entry.bounds, limit)
                 && sieve.passes(&entry.shape)
             {
                 meter.look()?;
@@ -128,5 +128,47 @@ impl Snapshot {
             Ok(track.limit(gathered.limit()))
         })?;
         Ok(gathered.finish())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        answer::Work,
+        broad::{StaticTree, Tree},
+    };
+
+    /// The lower bound of a box, taken as the limit of a search, must not exclude the box from the search.
+    #[test]
+    fn what_ends_at_the_limit_is_still_offered() {
+        let mut state = 1_u64;
+        let mut number = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for _ in 0..10_000 {
+            let corner = DVec3::new(number(), number(), number()) * 10.0 + 1.0;
+            let direction = corner + DVec3::new(number(), number(), number());
+            let bounds = Aabb::new(corner, corner + 1.0);
+            let track = Track::new(&Ray {
+                origin: DVec3::ZERO,
+                direction: direction * f64::powi(2.0, (number() * 1000.0) as i32 - 500),
+                min_distance: 0.0,
+                max_distance: 4e12,
+                hollow: false,
+            });
+            let least = track.entry(bounds, 4e12).expect("it goes through");
+            let mut offered = false;
+            let tree = StaticTree::build(&[bounds]);
+            let Ok(()) = tree.visit_ray(&track.path, track.limit(least), &mut Work::default(), |_, _, _| {
+                offered = true;
+                Ok(f64::INFINITY)
+            });
+            assert!(offered, "{bounds:?} begins at {least}");
+            assert!(least <= corner.length() + 2.0 && least > 0.0);
+        }
     }
 }

@@ -177,7 +177,7 @@ fn common_point(on_a: DVec3, on_b: DVec3, radius_a: f64, radius_b: f64) -> DVec3
 
 impl Separation {
     /// The same answer with the arguments swapped.
-    fn swapped(self) -> Self {
+    pub(in crate::narrow) fn swapped(self) -> Self {
         Self {
             point_on_a: self.point_on_b,
             point_on_b: self.point_on_a,

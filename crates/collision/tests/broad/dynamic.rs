@@ -1,13 +1,11 @@
 //! Laws of the dynamic tree: sound after every edit, complete in every search, shared by its clones.
 
-mod broad_random;
-
 use std::{
     collections::{BTreeMap, BTreeSet},
     ops::ControlFlow,
 };
 
-use broad_random::Random;
+use crate::random::Random;
 use collision::{
     DVec3,
     answer::Work,

@@ -1,10 +1,11 @@
 //! Laws of editing: a world does what a map from ids to shapes does, each batch at once, and versions never change.
 
-mod broad_random;
+use std::{collections::BTreeMap, sync::Arc};
 
-use std::{collections::BTreeMap, num::NonZeroU64, sync::Arc};
-
-use broad_random::Random;
+use crate::{
+    random::Random,
+    scene::{self, id},
+};
 use collision::{
     DQuat, DVec3,
     accuracy::Accuracy,
@@ -18,23 +19,10 @@ use collision::{
 
 type Model = BTreeMap<ShapeId, Shape>;
 
-fn id(number: u64) -> ShapeId {
-    NonZeroU64::new(number).expect("not 0")
-}
-
 fn shape(number: u64, geometry: &Arc<Geometry>, position: DVec3, mobility: Mobility) -> Shape {
     Shape {
-        id: id(number),
-        geometry: Arc::clone(geometry),
-        pose: Pose::at(position),
-        layers: 1,
-        collides_with: u32::MAX,
         mobility,
-        sensor: false,
-        group: 0,
-        user_data: number * 10,
-        velocity: DVec3::ZERO,
-        angular_velocity: DVec3::ZERO,
+        ..scene::shape(number, Arc::clone(geometry), Pose::at(position))
     }
 }
 

@@ -1,10 +1,8 @@
 //! Laws of the static tree and of the searches: nothing that qualifies is left out, whatever the boxes.
 
-mod broad_random;
-
 use std::{collections::BTreeSet, ops::ControlFlow};
 
-use broad_random::Random;
+use crate::random::Random;
 use collision::{
     DVec3,
     answer::Work,

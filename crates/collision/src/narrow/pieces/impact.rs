@@ -1,0 +1,191 @@
+//! The first touch of a mesh and another form, in motion.
+
+use std::{convert::Infallible, ops::ControlFlow};
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::{Side, Surface};
+use crate::{
+    accuracy::Accuracy,
+    answer::{Bound, Verdict, Work},
+    broad::{Path, Tree},
+    math::Aabb,
+    narrow::{
+        ImpactTouch, Placed,
+        convex::{self, PlacedConvex},
+    },
+};
+
+/// How a pair moves.
+#[derive(Clone, Copy)]
+struct Motion<'a> {
+    displacement_a: DVec3,
+    displacement_b: DVec3,
+    ignore_initial: bool,
+    accuracy: &'a Accuracy,
+}
+
+/// The first touch of `a` and `b`, one of them a mesh; `None` is a proof that the way is free. With `ignore_initial` each
+/// triangle that is touched at the start is passed over.
+pub(in crate::narrow) fn linear_impact(
+    a: Placed<'_>,
+    displacement_a: DVec3,
+    b: Placed<'_>,
+    displacement_b: DVec3,
+    ignore_initial: bool,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Option<ImpactTouch> {
+    let motion = Motion {
+        displacement_a,
+        displacement_b,
+        ignore_initial,
+        accuracy,
+    };
+    let relative = displacement_a - displacement_b;
+    let mut first = First::default();
+    match (Side::of(a), Side::of(b)) {
+        (Side::Convex(a), Side::Convex(b)) => first.offer(motion.touch(a, b, None, work)),
+        (Side::Convex(a), Side::Surface(b)) => first.search(a, &b, &motion, work),
+        (Side::Surface(a), Side::Convex(b)) => {
+            let swept = a.box_of(b);
+            along(&a, swept, -relative, first.limit, work, |work, triangle| {
+                let piece = a.piece(triangle);
+                first.offer(motion.touch(a.placed(&piece), b, None, work));
+                first.limit
+            });
+        }
+        (Side::Surface(a), Side::Surface(b)) => {
+            let swept = a.box_of_surface(&b);
+            along(&a, swept, -relative, first.limit, work, |work, triangle| {
+                let piece = a.piece(triangle);
+                first.search(a.placed(&piece), &b, &motion, work);
+                first.limit
+            });
+        }
+    }
+    first.merged()
+}
+
+impl Motion<'_> {
+    fn touch(
+        &self,
+        a: PlacedConvex<'_>,
+        b: PlacedConvex<'_>,
+        face_b: Option<u32>,
+        work: &mut Work,
+    ) -> Option<ImpactTouch> {
+        let mut touch = convex::linear_impact(
+            a,
+            self.displacement_a,
+            b,
+            self.displacement_b,
+            self.ignore_initial,
+            self.accuracy,
+            work,
+        )?;
+        touch.feature_b.face = face_b;
+        Some(touch)
+    }
+}
+
+/// Visits the triangles of a mesh that a box may meet on its way (`displacement`, world axes) at a fraction of at most
+/// `limit`; the visitor returns the new limit.
+fn along(
+    surface: &Surface<'_>,
+    mover: Aabb,
+    displacement: DVec3,
+    limit: f64,
+    work: &mut Work,
+    mut visit: impl FnMut(&mut Work, usize) -> f64,
+) {
+    let direction = surface.displacement_in(displacement);
+    let tree = surface.mesh.tree();
+    if direction == DVec3::ZERO {
+        let Ok(()) = tree.visit_box(mover, work, |work, leaf| {
+            visit(work, leaf as usize);
+            Ok::<_, Infallible>(ControlFlow::Continue(()))
+        });
+        return;
+    }
+    let center = mover.center();
+    let half = (mover.max - center).max(center - mover.min);
+    let path = Path {
+        origin: center,
+        direction,
+        reach: half + crate::tolerance::RELATIVE_POSE * (half.length() + direction.length()),
+    };
+    let Ok(()) = tree.visit_ray(&path, limit, work, |work, leaf, _| {
+        Ok::<f64, Infallible>(visit(work, leaf as usize))
+    });
+}
+
+/// All that may be the first touch.
+struct First {
+    candidates: SmallVec<[ImpactTouch; 2]>,
+    /// The first certain touch is not later than this.
+    limit: f64,
+}
+
+impl Default for First {
+    fn default() -> Self {
+        Self {
+            candidates: SmallVec::new(),
+            limit: 1.0,
+        }
+    }
+}
+
+impl First {
+    fn search(&mut self, a: PlacedConvex<'_>, b: &Surface<'_>, motion: &Motion<'_>, work: &mut Work) {
+        let relative = motion.displacement_a - motion.displacement_b;
+        along(b, b.box_of(a), relative, self.limit, work, |work, triangle| {
+            let piece = b.piece(triangle);
+            self.offer(motion.touch(a, b.placed(&piece), b.face(triangle), work));
+            self.limit
+        });
+    }
+
+    fn offer(&mut self, touch: Option<ImpactTouch>) {
+        let Some(touch) = touch.filter(|touch| touch.certificate.bound.lower <= self.limit) else {
+            return;
+        };
+        if touch.certificate.verdict == Verdict::Hit {
+            self.limit = self.limit.min(touch.certificate.bound.upper);
+        }
+        let limit = self.limit;
+        self.candidates.push(touch);
+        self.candidates.retain(|known| known.certificate.bound.lower <= limit);
+    }
+
+    /// The earliest certain touch, or else the earliest open one; its bound reaches down to whatever may come before it.
+    fn merged(self) -> Option<ImpactTouch> {
+        let is_certain = |touch: &&ImpactTouch| touch.certificate.verdict == Verdict::Hit;
+        let verdict = if self.candidates.iter().any(|touch| is_certain(&touch)) {
+            Verdict::Hit
+        } else {
+            Verdict::Undecided
+        };
+        let those = || {
+            self.candidates
+                .iter()
+                .filter(|touch| touch.certificate.verdict == verdict)
+        };
+        let lower = self.candidates.iter().map(|touch| touch.certificate.bound.lower);
+        let lower = lower.fold(f64::INFINITY, f64::min);
+        let upper = those().map(|touch| touch.certificate.bound.upper);
+        let upper = match verdict {
+            Verdict::Hit => upper.fold(f64::INFINITY, f64::min),
+            Verdict::Undecided | Verdict::Miss => upper.fold(f64::NEG_INFINITY, f64::max),
+        };
+        let winner = those().min_by(|a, b| {
+            let by_face = a.feature_b.face.cmp(&b.feature_b.face);
+            a.fraction.total_cmp(&b.fraction).then(by_face)
+        });
+        let mut merged = *winner?;
+        merged.certificate.bound = Bound::new(lower, upper);
+        merged.fraction = merged.fraction.clamp(lower, upper);
+        Some(merged)
+    }
+}

@@ -1,0 +1,6 @@
+//! Laws of the trees of boxes.
+
+mod data;
+mod dynamic;
+mod fixed;
+mod random;

@@ -1,0 +1,10 @@
+//! Laws of worlds: their edits, their versions and the answers to questions.
+
+mod determinism;
+mod edits;
+mod filters;
+mod questions;
+#[path = "../broad/random.rs"]
+mod random;
+mod readers;
+mod scene;

@@ -1,0 +1,341 @@
+//! Each question against the obvious way to answer it: the kernel on every shape, one after the other.
+
+use crate::random::Random;
+use crate::scene::{Question, id, random_filter, random_questions, random_shapes, world_of};
+use collision::{
+    accuracy::Accuracy,
+    answer::{Certificate, Verdict, Work},
+    math::Pose,
+    narrow::{self, Placed},
+    world::{
+        Distance, Filter, Found, HitMode, Meter, Mobility, Overlap, Penetration, Raycast, Shape, ShapeId, Snapshot,
+        Subject, TimeOfImpact,
+    },
+};
+
+const ACCURACY: Accuracy = Accuracy::of(collision::accuracy::Tier::Standard);
+
+/// The world as a list.
+struct Brute<'a> {
+    shapes: &'a [Shape],
+    filter: &'a Filter,
+    work: Work,
+}
+
+fn placed(shape: &Shape) -> Placed<'_> {
+    Placed {
+        geometry: &shape.geometry,
+        pose: shape.pose,
+    }
+}
+
+impl<'a> Brute<'a> {
+    fn seen_by(&self, asker: Option<&Shape>) -> Vec<&'a Shape> {
+        let layers = self
+            .filter
+            .layers
+            .or(asker.map(|shape| shape.layers))
+            .unwrap_or(u32::MAX);
+        let wanted = self
+            .filter
+            .collides_with
+            .or(asker.map(|shape| shape.collides_with))
+            .unwrap_or(u32::MAX);
+        let seen = |shape: &&Shape| {
+            let is_asker = asker.is_some_and(|asker| asker.id == shape.id);
+            let is_of_group = asker.is_some_and(|asker| asker.group != 0 && asker.group == shape.group);
+            let f = self.filter;
+            (shape.layers & wanted) != 0
+                && (shape.collides_with & layers) != 0
+                && !is_asker
+                && !is_of_group
+                && !f.exclude_ids.contains(&shape.id)
+                && (shape.group == 0 || !f.exclude_groups.contains(&shape.group))
+                && (!f.exclude_sensors || !shape.sensor)
+                && (!f.exclude_static || shape.mobility != Mobility::Static)
+        };
+        self.shapes.iter().filter(seen).collect()
+    }
+
+    fn subject<'s>(&self, subject: &'s Subject) -> (Placed<'s>, Option<&'a Shape>)
+    where
+        'a: 's,
+    {
+        match subject {
+            Subject::Geometry { geometry, pose } => (Placed { geometry, pose: *pose }, None),
+            Subject::Shape { id, pose } => {
+                let shape = self.shapes.iter().find(|shape| shape.id == *id).expect("it is there");
+                let pose: Pose = pose.unwrap_or(shape.pose);
+                let geometry = &shape.geometry;
+                (Placed { geometry, pose }, Some(shape))
+            }
+        }
+    }
+
+    /// Value and id of all certain touches, least first; and of the undecided ones.
+    fn rays(&mut self, question: &Raycast) -> (Touches, Touches) {
+        let (mut certain, mut undecided) = (Vec::new(), Vec::new());
+        for shape in self.seen_by(None) {
+            let touches = narrow::raycast(&question.ray, placed(shape), &ACCURACY, &mut self.work);
+            certain.extend(touches.certain.map(|touch| (touch.distance, shape.id)));
+            undecided.extend(touches.undecided.map(|touch| (touch.distance, shape.id)));
+        }
+        (sorted(certain), sorted(undecided))
+    }
+
+    fn impacts(&mut self, question: &TimeOfImpact) -> (Touches, Touches) {
+        let (subject, asker) = self.subject(&question.subject);
+        let (mut certain, mut undecided) = (Vec::new(), Vec::new());
+        for shape in self.seen_by(asker).into_iter().filter(|shape| !shape.sensor) {
+            let touch = narrow::linear_impact(
+                subject,
+                question.displacement,
+                placed(shape),
+                question.against_displacement,
+                question.ignore_initial,
+                &ACCURACY,
+                &mut self.work,
+            );
+            let Some(touch) = touch else {
+                continue;
+            };
+            let list = if touch.certificate.verdict == Verdict::Hit {
+                &mut certain
+            } else {
+                &mut undecided
+            };
+            list.push((touch.fraction, shape.id));
+        }
+        (sorted(certain), sorted(undecided))
+    }
+
+    fn overlaps(&mut self, question: &Overlap) -> Vec<ShapeId> {
+        let (subject, asker) = self.subject(&question.subject);
+        let mut seen = self.seen_by(asker);
+        seen.sort_by_key(|shape| shape.id);
+        let mut touch =
+            |shape: &Shape| narrow::overlap(subject, placed(shape), &ACCURACY, &mut self.work).verdict != Verdict::Miss;
+        seen.into_iter()
+            .filter(|shape| touch(shape))
+            .map(|shape| shape.id)
+            .collect()
+    }
+
+    fn contacts(&mut self, question: &Penetration) -> Touches {
+        let (subject, asker) = self.subject(&question.subject);
+        let mut depths = Vec::new();
+        for shape in self.seen_by(asker) {
+            let contacts = narrow::penetration(subject, placed(shape), question.max_gap, &ACCURACY, &mut self.work)
+                .expect("convex");
+            depths.extend(contacts.into_iter().map(|contact| (-contact.depth, shape.id)));
+        }
+        sorted(depths)
+    }
+
+    fn distances(&mut self, question: &Distance) -> Touches {
+        let (subject, asker) = self.subject(&question.subject);
+        let mut distances = Vec::new();
+        for shape in self.seen_by(asker) {
+            let found = narrow::distance(subject, placed(shape), question.max_distance, &ACCURACY, &mut self.work);
+            distances.extend(found.map(|separation| (separation.distance, shape.id)));
+        }
+        sorted(distances)
+    }
+}
+
+type Touches = Vec<(f64, ShapeId)>;
+
+fn sorted(mut touches: Touches) -> Touches {
+    touches.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    touches
+}
+
+/// Ids in order, and values but for what a canonical box raised them by: rounding.
+fn assert_same(found: &Touches, expected: &[(f64, ShapeId)], what: &Question) {
+    assert_eq!(found.len(), expected.len(), "{found:?} for {expected:?}: {what:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        assert_eq!(found.1, expected.1, "{what:?}");
+        assert!(
+            (found.0 - expected.0).abs() <= 1e-9 * (1.0 + expected.0.abs()),
+            "{found:?} {expected:?}: {what:?}"
+        );
+    }
+}
+
+fn assert_mode<H>(
+    found: &Found<H>,
+    value: impl Fn(&H) -> ((f64, ShapeId), Certificate),
+    (certain, undecided): (Touches, Touches),
+    mode: HitMode,
+    what: &Question,
+) {
+    let list: Touches = found.hits.iter().map(|hit| value(hit).0).collect();
+    for (touch, certificate) in found.hits.iter().map(&value) {
+        assert!(certificate.bound.contains(touch.0), "{touch:?} not in {certificate:?}");
+    }
+    let verdict = if !certain.is_empty() {
+        Verdict::Hit
+    } else if !undecided.is_empty() {
+        Verdict::Undecided
+    } else {
+        Verdict::Miss
+    };
+    match mode {
+        HitMode::Closest => {
+            assert_eq!(found.verdict, verdict, "{what:?}");
+            if let Some(best) = certain.first() {
+                assert_same(&list[list.len() - 1..].to_vec(), &[*best], what);
+                assert!(
+                    list[..list.len() - 1]
+                        .iter()
+                        .all(|hit| undecided.iter().any(|open| open.1 == hit.1))
+                );
+            } else {
+                assert_same(&list, &undecided, what);
+            }
+        }
+        HitMode::Any => {
+            assert_eq!(found.verdict, verdict, "{what:?}");
+            assert!(certain.is_empty() || certain.iter().any(|hit| hit.1 == list[0].1));
+        }
+        HitMode::All(most) => {
+            let open = undecided
+                .into_iter()
+                .filter(|open| certain.iter().all(|hit| hit.1 != open.1));
+            let all = sorted(certain.iter().copied().chain(open).collect());
+            assert_eq!(found.truncated, all.len() > most, "{what:?}");
+            assert_same(&list, &all[..all.len().min(most)], what);
+        }
+    }
+}
+
+fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> Verdict {
+    let mut go_on = || true;
+    let meter = &mut Meter::new(&mut go_on);
+    let filter = brute.filter;
+    match question {
+        Question::Raycast(raycast) => {
+            let found = snapshot.raycast(raycast, filter, &ACCURACY, meter).expect("an answer");
+            let expected = brute.rays(raycast);
+            let value = |hit: &collision::world::RayHit| ((hit.touch.distance, hit.id), hit.touch.certificate);
+            assert_mode(&found, value, expected, raycast.mode, question);
+            found.verdict
+        }
+        Question::TimeOfImpact(impact) => {
+            let found = snapshot
+                .time_of_impact(impact, filter, &ACCURACY, meter)
+                .expect("an answer");
+            let expected = brute.impacts(impact);
+            let value = |hit: &collision::world::Impact| {
+                ((hit.touch.fraction, hit.id.expect("a shape")), hit.touch.certificate)
+            };
+            assert_mode(&found, value, expected, impact.mode, question);
+            found.verdict
+        }
+        Question::Overlap(overlap) => {
+            let found = snapshot.overlap(overlap, filter, &ACCURACY, meter).expect("an answer");
+            let mut expected = brute.overlaps(overlap);
+            assert_eq!(found.truncated, expected.len() > overlap.max_hits);
+            expected.truncate(overlap.max_hits);
+            assert_eq!(
+                found.hits.iter().filter_map(|hit| hit.id).collect::<Vec<_>>(),
+                expected,
+                "{question:?}"
+            );
+            found.verdict
+        }
+        Question::Penetration(penetration) => {
+            let found = snapshot
+                .penetration(penetration, filter, &ACCURACY, meter)
+                .expect("an answer");
+            let expected = brute.contacts(penetration);
+            let list = found
+                .hits
+                .iter()
+                .map(|hit| (-hit.depth, hit.id.expect("a shape")))
+                .collect();
+            assert_eq!(found.truncated, expected.len() > penetration.max_contacts);
+            assert_same(
+                &list,
+                &expected[..expected.len().min(penetration.max_contacts)],
+                question,
+            );
+            found.verdict
+        }
+        Question::Distance(distance) => {
+            let found = snapshot
+                .distance(distance, filter, &ACCURACY, meter)
+                .expect("an answer");
+            let expected = brute.distances(distance);
+            let value = |hit: &collision::world::Neighbor| (hit.separation.distance, hit.id.expect("a shape"));
+            let list = found.hits.iter().map(value).collect();
+            assert_same(&list, &expected[..expected.len().min(distance.max_hits)], question);
+            found.verdict
+        }
+    }
+}
+
+#[test]
+fn questions_answer_what_the_kernel_on_every_shape_answers() {
+    let mut random = Random::new(31);
+    let mut hits = [0; 5];
+    let mut asked = 0;
+    for count in [1, 3, 10, 40, 90, 150] {
+        let shapes = random_shapes(&mut random, count);
+        let snapshot = world_of(shapes.clone()).newest();
+        for _ in 0..60 {
+            let filter = if random.unit() < 0.5 {
+                Filter::default()
+            } else {
+                random_filter(&mut random)
+            };
+            let mut brute = Brute {
+                shapes: &shapes,
+                filter: &filter,
+                work: Work::default(),
+            };
+            asked += 1;
+            for (kind, question) in random_questions(&mut random, count).iter().enumerate() {
+                hits[kind] += usize::from(compare(&snapshot, &mut brute, question) == Verdict::Hit);
+            }
+        }
+    }
+    assert!(
+        hits.iter().all(|&hits| hits * 10 > asked * 2 && hits < asked),
+        "vacuous: {hits:?} of {asked}"
+    );
+}
+
+#[test]
+fn a_shape_that_is_not_there_is_named() {
+    let snapshot = world_of(random_shapes(&mut Random::new(5), 3)).newest();
+    let (gone, there) = (
+        Subject::Shape { id: id(77), pose: None },
+        Subject::Shape { id: id(1), pose: None },
+    );
+    let mut go_on = || true;
+    let meter = &mut Meter::new(&mut go_on);
+    let mut ask = |subject: &Subject, against: &Subject| {
+        let question = Overlap {
+            subject: subject.clone(),
+            against: Some(against.clone()),
+            max_hits: 9,
+        };
+        snapshot
+            .overlap(&question, &Filter::default(), &ACCURACY, meter)
+            .map(|found| found.verdict)
+    };
+    assert_eq!(
+        ask(&gone, &there),
+        Err(collision::world::QuestionError::SubjectNotFound(id(77)))
+    );
+    assert_eq!(
+        ask(&there, &gone),
+        Err(collision::world::QuestionError::AgainstNotFound(id(77)))
+    );
+    assert_eq!(
+        ask(&there, &there),
+        Ok(Verdict::Hit),
+        "a pair that is named is asked, be it a shape and itself"
+    );
+}

@@ -1,0 +1,266 @@
+//! Reads triangles from a Wavefront OBJ file, and says where a broken one is broken.
+//!
+//! # Method
+//! tobj parses and triangulates; its errors name no line. When it refuses a file, or what it read is not usable, the
+//! text is gone through once more to find the first wrong line.
+//!
+//! # Limits
+//! Materials, normals and texture coordinates are passed over, and so are points and lines.
+
+use std::fmt;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use tobj::{LoadError, LoadOptions};
+
+/// Triangles of a file, in the order in which the file has them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Triangles {
+    /// x, y, z of each vertex, rounded to f32.
+    pub(crate) vertices: Vec<f32>,
+    /// Three vertex numbers for each triangle.
+    pub(crate) indices: Vec<u32>,
+}
+
+/// Why a file gives no triangles.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ObjError {
+    #[error("{} cannot be read: {source}", path.display())]
+    Read { path: PathBuf, source: io::Error },
+    #[error("{}, line {line}: {problem}", path.display())]
+    Line {
+        path: PathBuf,
+        line: usize,
+        problem: Problem,
+    },
+    #[error("{} has {vertex_count} vertices and no faces, so there are no triangles to load", path.display())]
+    NoFaces { path: PathBuf, vertex_count: usize },
+    #[error("{} is no Wavefront OBJ file that can be understood ({source})", path.display())]
+    Other { path: PathBuf, source: LoadError },
+}
+
+/// What is wrong with a line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Problem {
+    NotText,
+    Coordinate { found: String },
+    FewCoordinates { count: usize },
+    FewCorners { count: usize },
+    Corner { found: String },
+    NoSuchVertex { found: String, vertex_count: usize },
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotText => write!(f, "this is not text, so the file is no Wavefront OBJ"),
+            Self::Coordinate { found } => write!(f, "{found:?} is not a finite number of single precision"),
+            Self::FewCoordinates { count } => write!(f, "a vertex has three coordinates, this one has {count}"),
+            Self::FewCorners { count } => write!(f, "a face has at least three corners, this one has {count}"),
+            Self::Corner { found } => write!(f, "{found:?} is no corner; right ones are 7, 7/1, 7//3, 7/1/3 and -1"),
+            Self::NoSuchVertex { found, vertex_count } => {
+                write!(
+                    f,
+                    "corner {found:?} names a vertex that does not exist: {vertex_count} stand before this line"
+                )
+            }
+        }
+    }
+}
+
+/// Reads a file. `watch` wraps the reader, so that the caller can show how far it is.
+///
+/// # Errors
+/// A file that cannot be read, is broken, or has no faces.
+pub(crate) fn read<R: Read>(path: &Path, watch: impl FnOnce(File) -> R) -> Result<Triangles, ObjError> {
+    let refuse = |source| ObjError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    let file = File::open(path).map_err(refuse)?;
+    let options = LoadOptions {
+        triangulate: true,
+        ignore_points: true,
+        ignore_lines: true,
+        ..LoadOptions::default()
+    };
+    // Materials do not matter here, so that a missing material file must not be an error.
+    let no_materials = |_: &Path| Ok(Default::default());
+    let (models, _) = match tobj::load_obj_buf(&mut BufReader::new(watch(file)), &options, no_materials) {
+        Ok(read) => read,
+        Err(source) => {
+            return Err(match first_wrong_line(path)? {
+                Some((line, problem)) => ObjError::Line {
+                    path: path.to_owned(),
+                    line,
+                    problem,
+                },
+                None => ObjError::Other {
+                    path: path.to_owned(),
+                    source,
+                },
+            });
+        }
+    };
+    let mut triangles = Triangles::default();
+    for model in models {
+        let first_vertex = (triangles.vertices.len() / 3) as u32;
+        triangles.vertices.extend_from_slice(&model.mesh.positions);
+        triangles
+            .indices
+            .extend(model.mesh.indices.iter().map(|index| first_vertex + index));
+    }
+    let is_usable = !triangles.indices.is_empty() && triangles.vertices.iter().all(|number| number.is_finite());
+    if is_usable {
+        return Ok(triangles);
+    }
+    match first_wrong_line(path)? {
+        Some((line, problem)) => Err(ObjError::Line {
+            path: path.to_owned(),
+            line,
+            problem,
+        }),
+        None => Err(ObjError::NoFaces {
+            path: path.to_owned(),
+            vertex_count: count_vertices(path)?,
+        }),
+    }
+}
+
+/// The first line, counted from 1, that is not as it must be.
+fn first_wrong_line(path: &Path) -> Result<Option<(usize, Problem)>, ObjError> {
+    let refuse = |source| ObjError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    let mut vertex_count = 0;
+    for (index, line) in BufReader::new(File::open(path).map_err(refuse)?).lines().enumerate() {
+        let line = match line {
+            Ok(line) => line,
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => {
+                return Ok(Some((index + 1, Problem::NotText)));
+            }
+            Err(error) => return Err(refuse(error)),
+        };
+        let mut words = line.split_whitespace();
+        let problem = match words.next() {
+            Some("v") => {
+                vertex_count += 1;
+                wrong_vertex(words)
+            }
+            Some("f") => wrong_face(words, vertex_count),
+            _ => None,
+        };
+        if let Some(problem) = problem {
+            return Ok(Some((index + 1, problem)));
+        }
+    }
+    Ok(None)
+}
+
+fn count_vertices(path: &Path) -> Result<usize, ObjError> {
+    let refuse = |source| ObjError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    let mut count = 0;
+    for line in BufReader::new(File::open(path).map_err(refuse)?).lines() {
+        if line.map_err(refuse)?.split_whitespace().next() == Some("v") {
+            count += 1;
+        }
+    }
+    Ok(count)
+}
+
+fn wrong_vertex<'a>(words: impl Iterator<Item = &'a str>) -> Option<Problem> {
+    let mut count = 0;
+    for word in words.take(3) {
+        count += 1;
+        match word.parse::<f32>() {
+            Ok(number) if number.is_finite() => {}
+            Ok(_) | Err(_) => return Some(Problem::Coordinate { found: word.to_owned() }),
+        }
+    }
+    (count < 3).then_some(Problem::FewCoordinates { count })
+}
+
+fn wrong_face<'a>(words: impl Iterator<Item = &'a str>, vertex_count: usize) -> Option<Problem> {
+    let mut count = 0;
+    for word in words {
+        count += 1;
+        let first = word.split('/').next().unwrap_or(word);
+        let Ok(number) = first.parse::<i64>() else {
+            return Some(Problem::Corner { found: word.to_owned() });
+        };
+        // Numbers begin at 1; negative ones count back from the last vertex.
+        let exists = number != 0 && usize::try_from(number.unsigned_abs()).is_ok_and(|back| back <= vertex_count);
+        if !exists {
+            return Some(Problem::NoSuchVertex {
+                found: word.to_owned(),
+                vertex_count,
+            });
+        }
+    }
+    (count < 3).then_some(Problem::FewCorners { count })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read_text(name: &str, text: &[u8]) -> Result<Triangles, ObjError> {
+        let path = std::env::temp_dir().join(format!("calipers-obj-{name}-{}.obj", std::process::id()));
+        std::fs::write(&path, text).expect("the folder for temporary files is writable");
+        let triangles = read(&path, |file| file);
+        std::fs::remove_file(&path).expect("the file was just written");
+        triangles
+    }
+
+    #[test]
+    fn faces_keep_their_order_over_objects_and_polygons_become_triangles() {
+        let text = b"o one\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\no two\nv 0 0 1\nf -1 1//9 2/3\n";
+        let triangles = read_text("order", text).expect("the file is whole");
+        let corner = |index: u32| triangles.vertices[3 * index as usize..][..3].to_vec();
+        let corners: Vec<_> = triangles.indices.iter().map(|&index| corner(index)).collect();
+        let (a, b, c, d, e) = ([0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [0., 0., 1.]);
+        assert_eq!(corners, [a, b, c, a, c, d, e, a, b]);
+    }
+
+    #[test]
+    fn vertices_are_rounded_to_single_precision() {
+        let triangles = read_text("round", b"v 0.1 16777217 -3e-5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("it is whole");
+        assert_eq!(triangles.vertices[..3], [0.1_f32, 16_777_216.0, -3e-5]);
+    }
+
+    #[test]
+    fn a_broken_file_is_told_with_its_line() {
+        let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+        for (name, rest, line, said) in [
+            ("index", "f 1 2 9\n", "line 4:", "names a vertex that does not exist"),
+            ("zero", "f 0 1 2\n", "line 4:", "names a vertex that does not exist"),
+            ("back", "f -4 1 2\n", "line 4:", "names a vertex that does not exist"),
+            ("nan", "v nan 0 0\nf 1 2 4\n", "line 4:", "not a finite number"),
+            ("huge", "v 1e39 0 0\nf 1 2 4\n", "line 4:", "not a finite number"),
+            ("word", "v 1 two 3\nf 1 2 3\n", "line 4:", "\"two\""),
+            ("short", "v 1 2\nf 1 2 3\n", "line 4:", "this one has 2"),
+            ("corner", "f 1 2 x\n", "line 4:", "no corner"),
+            ("empty", "", "no faces", "3 vertices"),
+        ] {
+            let sentence = read_text(name, format!("{corners}{rest}").as_bytes())
+                .unwrap_err()
+                .to_string();
+            assert!(sentence.contains(line) && sentence.contains(said), "{name}: {sentence}");
+        }
+        let sentence = read_text("binary", b"v 0 0 0\n\xff\xfe\x00\x01")
+            .unwrap_err()
+            .to_string();
+        assert!(sentence.contains("not text"), "{sentence}");
+        assert!(
+            read(Path::new("/nowhere.obj"), |file| file)
+                .unwrap_err()
+                .to_string()
+                .contains("cannot be read")
+        );
+    }
+}
