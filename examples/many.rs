@@ -19,7 +19,7 @@ use tokio::task::JoinSet;
 use tokio::time::{MissedTickBehavior, interval};
 
 /// Any error, of any task.
-pub type Failure = Box<dyn Error + Send + Sync>;
+pub(crate) type Failure = Box<dyn Error + Send + Sync>;
 
 const WRITERS: [&str; 2] = ["a", "b"];
 const READER_COUNT: usize = 3;
@@ -33,22 +33,22 @@ const GAUGE: f64 = -1.0;
 
 /// How much is done.
 #[derive(Clone, Copy, Debug)]
-pub struct Plan {
+pub(crate) struct Plan {
     /// Commits of each writer.
-    pub commit_count: u64,
+    pub(crate) commit_count: u64,
     /// Commits a second of each writer.
-    pub rate: f64,
+    pub(crate) rate: f64,
 }
 
 /// What the readers saw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Seen {
+pub(crate) struct Seen {
     /// Answers that were checked, of all readers.
-    pub answer_count: u64,
+    pub(crate) answer_count: u64,
     /// Different ticks that the reader with the fewest saw.
-    pub tick_count: u64,
+    pub(crate) tick_count: u64,
     /// The tick that every reader saw last.
-    pub last_tick: u64,
+    pub(crate) last_tick: u64,
 }
 
 #[tokio::main]
@@ -90,7 +90,7 @@ async fn main() -> Result<(), Failure> {
 ///
 /// # Errors
 /// What the server refuses, and the first answer that is out of step.
-pub async fn run(address: &str, plan: Plan) -> Result<Seen, Failure> {
+pub(crate) async fn run(address: &str, plan: Plan) -> Result<Seen, Failure> {
     let owner = Client::connect(address)
         .await?
         .open_session(proto::CreateSessionRequest::default())

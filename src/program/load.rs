@@ -128,7 +128,7 @@ fn report(
     writeln!(out, "{left_out_count} of them without area and left out")?;
     writeln!(
         out,
-        "{vertex_count} vertices in the file, {} different ones",
+        "{vertex_count} vertices sent, {} different ones",
         info.vertex_count
     )?;
     for warning in &info.warnings {

@@ -63,7 +63,7 @@ pub(crate) fn world(world: &proto::DescribeWorldResponse) -> String {
     if let Some(bounds) = &world.bounds {
         lines.push(format!("between {} and {}", vector(bounds.min), vector(bounds.max)));
         lines.push(format!(
-            "nothing out there is known better than {:e} m",
+            "nothing out there is known better than {:.1e} m",
             world.coordinate_step
         ));
     }
