@@ -61,20 +61,20 @@ pub const FLAT_CONTACT_SINE: f64 = 1.0 / 1_048_576.0;
 
 /// A ray's direction, made a unit vector, is off by less than this: two roundings in a square root's argument count half,
 /// with the root, the quotient and the scale they are under four, along the vector; √3 for three components. Larger: more
-/// rays near an edge stay undecided. Smaller: a wrong verdict there. Test: `ray_laws.rs`, turned and far rays.
+/// rays near an edge stay undecided. Smaller: a wrong verdict there. Test: `ray_exact.rs`.
 pub const RAY_DIRECTION: f64 = 8.0 * ROUNDING;
 
 /// The same in the axes of a turned target: [`ROTATED_COORDINATE`] for each of three components, √3 · 64 = 111, and 8.
 pub const RAY_TURNED_DIRECTION: f64 = 128.0 * ROUNDING;
 
 /// What turning a ray into its target's frame costs, as a part of its way from the target's position to where it may touch:
-/// 111 roundings for the origin, 119 for the direction over the whole way, and 4 for the difference of positions.
+/// 111 roundings for the origin, 119 for the direction over the whole way, and 4 for the difference of positions. Test: `ray_exact.rs`, turned forms.
 pub const RAY_TURNED_FRAME: f64 = 256.0 * ROUNDING;
 
 /// What the kernels for rays cost, as a part of the ray's extent about the target's centre: 8 roundings for the direction, 3
 /// for the foot, 2 for the distance counted from it, at most 12 for an edge, a plane or a chord relative to it. All of
 /// these are under 32; twice that is taken, since bounds are themselves computed with rounding. Larger: more undecided
-/// rays. Smaller: wrong verdicts. Test: `ray_laws.rs` and the ray sets of the data.
+/// rays. Smaller: wrong verdicts. Test: `ray_exact.rs` and the ray sets of the data.
 pub const RAY_KERNEL: f64 = 64.0 * ROUNDING;
 
 /// Where a triangle's plane is met only to this many times the ray's error, exact sums are used if they can be: at grazing

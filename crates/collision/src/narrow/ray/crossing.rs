@@ -15,6 +15,8 @@ pub(super) struct Crossing {
     pub exit: Wall,
     /// Whether it is proved that the line meets the body. If not, the bounds hold should it do so.
     pub certain: bool,
+    pub method: Method,
+    pub iterations: u32,
 }
 
 /// Where a line goes through the surface.
@@ -48,10 +50,36 @@ impl Crossing {
         } else {
             self.solid(first, last)
         };
-        let to_world = |judged: Judged| judged.to_world(local, pose);
+        let to_world = |judged: Judged| self.to_world(judged, local, pose);
         RayTouches {
             certain: certain.map(to_world),
             undecided: undecided.map(to_world),
+        }
+    }
+
+    fn to_world(&self, judged: Judged, local: &LocalRay, pose: &Pose) -> RayTouch {
+        let Judged { wall, inside, .. } = judged;
+        let outwards = local.normal_to_world(pose, wall.normal);
+        let is_from_inside = wall.normal.dot(local.direction) > 0.0;
+        let towards_asker = if is_from_inside {
+            DVec3::ZERO - outwards
+        } else {
+            outwards
+        };
+        RayTouch {
+            distance: judged.best + 0.0,
+            point: local.to_world(pose, local.point_at(judged.best)),
+            normal: (!inside).then_some(towards_asker),
+            inside,
+            feature: Feature {
+                part: None,
+                face: if inside { None } else { wall.face },
+            },
+            certificate: Certificate {
+                method: self.method,
+                iterations: self.iterations,
+                ..certificate(judged.verdict, judged.bound)
+            },
         }
     }
 
@@ -107,28 +135,6 @@ fn judge_wall(wall: Wall, first: f64, last: f64) -> Option<Judged> {
         verdict: if is_hit { Verdict::Hit } else { Verdict::Undecided },
         inside: false,
     })
-}
-
-impl Judged {
-    fn to_world(&self, local: &LocalRay, pose: &Pose) -> RayTouch {
-        let outwards = local.normal_to_world(pose, self.wall.normal);
-        let towards_asker = if self.wall.normal.dot(local.direction) > 0.0 {
-            -outwards
-        } else {
-            outwards
-        };
-        RayTouch {
-            distance: self.best + 0.0,
-            point: local.to_world(pose, local.point_at(self.best)),
-            normal: (!self.inside).then_some(towards_asker),
-            inside: self.inside,
-            feature: Feature {
-                part: None,
-                face: if self.inside { None } else { self.wall.face },
-            },
-            certificate: certificate(self.verdict, self.bound),
-        }
-    }
 }
 
 /// The certificate of a value found by formula.

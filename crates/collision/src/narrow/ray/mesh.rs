@@ -186,8 +186,7 @@ impl Found {
         self.candidates.push(candidate);
     }
 
-    /// All that is left may be first, as far as is proved: the least number wins, so that neither the tree nor the
-    /// order of triangles in it shows in the answer.
+    /// The first by its best value; where others cannot be told from it (they share an edge there), the least number.
     fn touches(&self, local: &LocalRay, mesh: &Mesh, pose: &Pose) -> RayTouches {
         let pick = |verdict: Verdict| {
             let those = || {
@@ -195,7 +194,12 @@ impl Found {
                     .iter()
                     .filter(move |candidate| candidate.verdict == verdict)
             };
-            let winner = those().min_by_key(|candidate| candidate.triangle)?;
+            let first = those().min_by(|a, b| {
+                let by_number = a.triangle.cmp(&b.triangle);
+                a.best.total_cmp(&b.best).then(by_number)
+            })?;
+            let is_same = |other: &&Candidate| other.bound.contains(first.best) && first.bound.contains(other.best);
+            let winner = those().filter(is_same).min_by_key(|candidate| candidate.triangle)?;
             let lower = those()
                 .map(|candidate| candidate.bound.lower)
                 .fold(f64::INFINITY, f64::min);
@@ -217,7 +221,7 @@ fn touch(local: &LocalRay, mesh: &Mesh, pose: &Pose, winner: Candidate, bound: B
     let best = winner.best.clamp(bound.lower, bound.upper);
     let (outwards, _) = normal(mesh.corners(winner.triangle));
     let towards_asker = if outwards.dot(local.direction) > 0.0 {
-        -outwards
+        DVec3::ZERO - outwards
     } else {
         outwards
     };

@@ -15,7 +15,7 @@ use super::{
     frame::LocalRay,
 };
 use crate::{
-    answer::Bound,
+    answer::{Bound, Method},
     shape::{Hull, Span, Topology},
 };
 
@@ -217,6 +217,8 @@ impl Clip {
             entry,
             exit,
             certain: self.certain,
+            method: Method::ClosedForm,
+            iterations: 1,
         }
     }
 }

@@ -14,7 +14,7 @@ use super::{
     crossing::{Crossing, Wall},
     frame::LocalRay,
 };
-use crate::answer::Bound;
+use crate::answer::{Bound, Method};
 
 /// All points within `radius` of the segment from `center - axis * half` to `center + axis * half`, relative to the
 /// target's centre. With `half` 0 a ball.
@@ -55,6 +55,8 @@ impl Round {
             entry: wall(entry, best.0),
             exit: wall(exit, best.1),
             certain: inner.is_some(),
+            method: Method::ClosedForm,
+            iterations: 1,
         })
     }
 

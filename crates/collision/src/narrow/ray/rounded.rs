@@ -12,9 +12,12 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Verdict, Work},
+    answer::{Bound, Method, Verdict, Work},
     math::Pose,
-    narrow::convex::{self, PlacedConvex},
+    narrow::{
+        ImpactTouch,
+        convex::{self, PlacedConvex},
+    },
     shape::{Convex, Core},
 };
 
@@ -62,6 +65,8 @@ pub(super) fn crossing(
             exit.normal.unwrap_or(ray.direction),
         ),
         certain,
+        method: Method::Advancement,
+        iterations: entry.iterations.saturating_add(exit.iterations),
     })
 }
 
@@ -78,6 +83,7 @@ struct Arrival {
     best: f64,
     normal: Option<DVec3>,
     certain: bool,
+    iterations: u32,
 }
 
 impl Caster<'_> {
@@ -88,8 +94,12 @@ impl Caster<'_> {
         } else {
             None
         };
-        let inner = inner.filter(|touch| touch.certificate.verdict == Verdict::Hit);
         let middle = self.cast(0.0, origin, motion, work);
+        let casts = [Some(outer), inner, middle].into_iter().flatten();
+        let iterations = casts
+            .map(|touch| touch.certificate.iterations)
+            .fold(0, u32::saturating_add);
+        let inner = inner.filter(|touch| touch.certificate.verdict == Verdict::Hit);
         let best = middle.map_or(outer.fraction, |touch| touch.fraction);
         Some(Arrival {
             bound: Bound::new(
@@ -99,10 +109,11 @@ impl Caster<'_> {
             best,
             normal: middle.unwrap_or(outer).normal_b_to_a,
             certain: inner.is_some(),
+            iterations,
         })
     }
 
-    fn cast(&self, growth: f64, origin: DVec3, motion: DVec3, work: &mut Work) -> Option<crate::narrow::ImpactTouch> {
+    fn cast(&self, growth: f64, origin: DVec3, motion: DVec3, work: &mut Work) -> Option<ImpactTouch> {
         let point = Convex {
             core: Core::Point,
             radius: 0.0,
