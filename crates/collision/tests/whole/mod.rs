@@ -1,6 +1,8 @@
 //! Exact vectors, rotations and fractions of whole numbers.
 #![allow(dead_code, reason = "each test file uses its part of it")]
 
+pub(crate) mod scene;
+
 use std::cmp::Ordering;
 
 use collision::DVec3;

@@ -50,14 +50,14 @@ impl Crossing {
         } else {
             self.solid(first, last)
         };
-        let to_world = |judged: Judged| self.to_world(judged, local, pose);
+        let touch = |judged: Judged| self.touch(judged, local, pose);
         RayTouches {
-            certain: certain.map(to_world),
-            undecided: undecided.map(to_world),
+            certain: certain.map(touch),
+            undecided: undecided.map(touch),
         }
     }
 
-    fn to_world(&self, judged: Judged, local: &LocalRay, pose: &Pose) -> RayTouch {
+    fn touch(&self, judged: Judged, local: &LocalRay, pose: &Pose) -> RayTouch {
         let Judged { wall, inside, .. } = judged;
         let outwards = local.normal_to_world(pose, wall.normal);
         let is_from_inside = wall.normal.dot(local.direction) > 0.0;
