@@ -1,1 +1,14 @@
-//! y
+//! How right Calipers is: named scenes, readers of the query sets, a slow and obvious oracle, and the runner that
+//! compares the crate's or a running server's answers with those of an independent reference.
+//!
+//! # Map
+//! [`sets`] reads a folder of query sets; [`oracle`] evaluates forms in plain f64 without trees or iterations;
+//! [`check`] asks, compares and reports; [`scene`] makes worlds for benches.
+//!
+//! # Never
+//! The oracle never knows the kernels; nothing here knows the server's insides.
+
+pub mod check;
+pub mod oracle;
+pub mod scene;
+pub mod sets;
