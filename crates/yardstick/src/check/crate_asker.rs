@@ -41,12 +41,20 @@ const ACCURACY: Accuracy = Accuracy::of(Tier::Exact);
 
 impl Asker for CrateAsker {
     fn ask(&mut self, questions: &[Question]) -> Vec<Reply> {
-        questions.iter().map(|question| caught(|| answer(&mut self.geometries, question))).collect()
+        questions
+            .iter()
+            .map(|question| caught(|| answer(&mut self.geometries, question)))
+            .collect()
     }
 
     fn stage(&mut self) -> Result<Box<dyn Stage + '_>, String> {
         let world = caught(|| Ok(World::new(Time(0))))?;
-        Ok(Box::new(CrateStage { world, tick_count: 0, kinds: HashMap::new(), geometries: GeometryCache::default() }))
+        Ok(Box::new(CrateStage {
+            world,
+            tick_count: 0,
+            kinds: HashMap::new(),
+            geometries: GeometryCache::default(),
+        }))
     }
 
     fn overlapping_boxes(&mut self, set: &BoxSet) -> Result<Option<PairTally>, String> {
@@ -109,12 +117,21 @@ fn answer(cache: &mut GeometryCache, question: &Question) -> Reply {
             Ok(Answer::Overlap(verdict(certificate.verdict), Some(claim(&certificate))))
         }),
         Question::Penetration { a, b, max_gap } => with_pair(cache, a, b, |a, b| {
-            let contacts = narrow::penetration(a, b, *max_gap, &ACCURACY, &mut work).map_err(|error| error.to_string())?;
+            let contacts =
+                narrow::penetration(a, b, *max_gap, &ACCURACY, &mut work).map_err(|error| error.to_string())?;
             let mut contacts: Vec<ContactAnswer> = contacts.iter().map(contact).collect();
             contacts.sort_by(|first, second| second.depth.total_cmp(&first.depth));
-            Ok(Answer::Penetration(found_verdict(contacts.iter().map(|contact| contact.claim.verdict)), contacts))
+            Ok(Answer::Penetration(
+                found_verdict(contacts.iter().map(|contact| contact.claim.verdict)),
+                contacts,
+            ))
         }),
-        Question::Impact { a, motion_a, b, motion_b } => {
+        Question::Impact {
+            a,
+            motion_a,
+            b,
+            motion_b,
+        } => {
             if motion_a.turns() || motion_b.turns() {
                 return Err("the crate has no question for motions that turn".to_owned());
             }
@@ -122,12 +139,23 @@ fn answer(cache: &mut GeometryCache, question: &Question) -> Reply {
                 let (way_a, way_b) = (motion_a.displacement, motion_b.displacement);
                 let touch = narrow::linear_impact(a, way_a, b, way_b, false, &ACCURACY, &mut work);
                 let hits: Vec<ImpactAnswer> = touch.iter().map(impact).collect();
-                Ok(Answer::Impact(found_verdict(hits.iter().map(|hit| hit.claim.verdict)), hits))
+                Ok(Answer::Impact(
+                    found_verdict(hits.iter().map(|hit| hit.claim.verdict)),
+                    hits,
+                ))
             })
         }
-        Question::Raycast { origin, direction, max_distance, target } => {
+        Question::Raycast {
+            origin,
+            direction,
+            max_distance,
+            target,
+        } => {
             let geometry = cache.get(&target.form)?;
-            let target = narrow::Placed { geometry: &geometry, pose: pose(&target.pose) };
+            let target = narrow::Placed {
+                geometry: &geometry,
+                pose: pose(&target.pose),
+            };
             Ok(raycast(*origin, *direction, *max_distance, target, &mut work))
         }
     }
@@ -140,8 +168,14 @@ fn with_pair(
     ask: impl FnOnce(narrow::Placed<'_>, narrow::Placed<'_>) -> Reply,
 ) -> Reply {
     let (form_a, form_b) = (cache.get(&a.form)?, cache.get(&b.form)?);
-    let placed_a = narrow::Placed { geometry: &form_a, pose: pose(&a.pose) };
-    let placed_b = narrow::Placed { geometry: &form_b, pose: pose(&b.pose) };
+    let placed_a = narrow::Placed {
+        geometry: &form_a,
+        pose: pose(&a.pose),
+    };
+    let placed_b = narrow::Placed {
+        geometry: &form_b,
+        pose: pose(&b.pose),
+    };
     ask(placed_a, placed_b)
 }
 
@@ -151,16 +185,21 @@ fn distance(a: narrow::Placed<'_>, b: narrow::Placed<'_>, work: &mut Work) -> An
     Answer::Distance(found_verdict(hits.iter().map(|hit| hit.claim.verdict)), hits)
 }
 
-fn raycast(
-    origin: DVec3,
-    direction: DVec3,
-    max_distance: f64,
-    target: narrow::Placed<'_>,
-    work: &mut Work,
-) -> Answer {
-    let ray = narrow::Ray { origin, direction, min_distance: 0.0, max_distance, hollow: false };
+fn raycast(origin: DVec3, direction: DVec3, max_distance: f64, target: narrow::Placed<'_>, work: &mut Work) -> Answer {
+    let ray = narrow::Ray {
+        origin,
+        direction,
+        min_distance: 0.0,
+        max_distance,
+        hollow: false,
+    };
     let touches = narrow::raycast(&ray, target, &ACCURACY, work);
-    let hits: Vec<RayAnswer> = touches.undecided.iter().chain(&touches.certain).map(ray_touch).collect();
+    let hits: Vec<RayAnswer> = touches
+        .undecided
+        .iter()
+        .chain(&touches.certain)
+        .map(ray_touch)
+        .collect();
     Answer::Ray(found_verdict(hits.iter().map(|hit| hit.claim.verdict)), hits)
 }
 
@@ -183,7 +222,11 @@ fn verdict(verdict: answer::Verdict) -> Verdict {
 
 fn claim(certificate: &Certificate) -> Claim {
     let answer::Bound { lower, upper } = certificate.bound;
-    Claim { verdict: verdict(certificate.verdict), lower, upper }
+    Claim {
+        verdict: verdict(certificate.verdict),
+        lower,
+        upper,
+    }
 }
 
 fn near(separation: &narrow::Separation) -> Near {
@@ -215,7 +258,11 @@ fn impact(touch: &narrow::ImpactTouch) -> ImpactAnswer {
 }
 
 fn ray_touch(touch: &narrow::RayTouch) -> RayAnswer {
-    RayAnswer { distance: touch.distance, face: touch.feature.face, claim: claim(&touch.certificate) }
+    RayAnswer {
+        distance: touch.distance,
+        face: touch.feature.face,
+        claim: claim(&touch.certificate),
+    }
 }
 
 /// A world in this process.
@@ -236,14 +283,16 @@ impl CrateStage {
                 self.kinds.remove(&actor);
                 Ok(Edit::Remove(id_of(actor)?))
             }
-            Change::Move { actor, pose: at, .. } if self.kinds.get(&actor) == kind_of(change).as_ref() => Ok(Edit::Move {
-                id: id_of(actor)?,
-                position: Some(at.position),
-                rotation: Some(at.rotation),
-                velocity: None,
-                angular_velocity: None,
-                teleport: false,
-            }),
+            Change::Move { actor, pose: at, .. } if self.kinds.get(&actor) == kind_of(change).as_ref() => {
+                Ok(Edit::Move {
+                    id: id_of(actor)?,
+                    position: Some(at.position),
+                    rotation: Some(at.rotation),
+                    velocity: None,
+                    angular_velocity: None,
+                    teleport: false,
+                })
+            }
             Change::Move { actor, kind, pose: at } => {
                 self.kinds.insert(actor, kind);
                 Ok(Edit::Insert(Shape {
@@ -277,10 +326,17 @@ fn id_of(actor: u64) -> Result<ShapeId, String> {
 
 impl Stage for CrateStage {
     fn tick(&mut self, changes: &[Change]) -> Result<(), String> {
-        let edits = changes.iter().map(|change| self.edit(change)).collect::<Result<Vec<Edit>, String>>()?;
+        let edits = changes
+            .iter()
+            .map(|change| self.edit(change))
+            .collect::<Result<Vec<Edit>, String>>()?;
         self.tick_count += 1;
         let time = Time(self.tick_count);
-        caught(|| self.world.apply(edits, time, EditRule::AllOrNothing).map_err(|error| error.to_string()))?;
+        caught(|| {
+            self.world
+                .apply(edits, time, EditRule::AllOrNothing)
+                .map_err(|error| error.to_string())
+        })?;
         Ok(())
     }
 
@@ -289,12 +345,18 @@ impl Stage for CrateStage {
             Ok(snapshot) => snapshot,
             Err(reason) => return actors.iter().map(|_| Err(reason.clone())).collect(),
         };
-        actors.iter().map(|&actor| caught(|| neighbors_of(&snapshot, actor, limit))).collect()
+        actors
+            .iter()
+            .map(|&actor| caught(|| neighbors_of(&snapshot, actor, limit)))
+            .collect()
     }
 
     fn contacts(&mut self, actor: u64) -> Result<Vec<(u64, ContactAnswer)>, String> {
         let question = world::Penetration {
-            subject: Subject::Shape { id: id_of(actor)?, pose: None },
+            subject: Subject::Shape {
+                id: id_of(actor)?,
+                pose: None,
+            },
             against: None,
             max_gap: 0.0,
             max_contacts: MOST_HITS,
@@ -317,7 +379,10 @@ impl Stage for CrateStage {
 
 fn neighbors_of(snapshot: &Snapshot, actor: u64, limit: f64) -> Neighbors {
     let question = world::Distance {
-        subject: Subject::Shape { id: id_of(actor)?, pose: None },
+        subject: Subject::Shape {
+            id: id_of(actor)?,
+            pose: None,
+        },
         against: None,
         max_distance: limit,
         max_hits: MOST_HITS,
@@ -325,5 +390,9 @@ fn neighbors_of(snapshot: &Snapshot, actor: u64, limit: f64) -> Neighbors {
     let mut go_on = || true;
     let found = snapshot.distance(&question, &Filter::default(), &ACCURACY, &mut Meter::new(&mut go_on));
     let found = found.map_err(|error| error.to_string())?;
-    Ok(found.hits.iter().map(|hit| (hit.user_data, near(&hit.separation))).collect())
+    Ok(found
+        .hits
+        .iter()
+        .map(|hit| (hit.user_data, near(&hit.separation)))
+        .collect())
 }

@@ -12,7 +12,10 @@ use super::SetError;
 /// # Errors
 /// The file cannot be read or unpacked.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, SetError> {
-    let io = |source| SetError::Io { path: path.to_owned(), source };
+    let io = |source| SetError::Io {
+        path: path.to_owned(),
+        source,
+    };
     let mut file = File::open(path).map_err(io)?;
     let mut bytes = Vec::new();
     if path.extension().is_some_and(|extension| extension == "gz") {
@@ -42,8 +45,7 @@ pub fn read_lines<T: DeserializeOwned>(path: &Path) -> Result<Vec<(usize, T)>, S
         if line.trim().is_empty() {
             continue;
         }
-        let record =
-            serde_json::from_str(line).map_err(|error| SetError::line(path, index + 1, error.to_string()))?;
+        let record = serde_json::from_str(line).map_err(|error| SetError::line(path, index + 1, error.to_string()))?;
         records.push((index + 1, record));
     }
     Ok(records)

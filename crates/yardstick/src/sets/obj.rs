@@ -57,7 +57,11 @@ fn triangle(numbers: &[&str], vertex_count: usize) -> Result<[u32; 3], String> {
     let &[a, b, c] = numbers else {
         return Err(format!("a face needs three corners, here are {}", numbers.len()));
     };
-    Ok([corner(a, vertex_count)?, corner(b, vertex_count)?, corner(c, vertex_count)?])
+    Ok([
+        corner(a, vertex_count)?,
+        corner(b, vertex_count)?,
+        corner(c, vertex_count)?,
+    ])
 }
 
 /// A corner such as `7`, `7/1/2` or `-1` (the last vertex so far).
@@ -69,7 +73,9 @@ fn corner(word: &str, vertex_count: usize) -> Result<u32, String> {
     if (0..count).contains(&index) {
         u32::try_from(index).map_err(|error| error.to_string())
     } else {
-        Err(format!("corner {written} does not exist: there are {vertex_count} vertices so far"))
+        Err(format!(
+            "corner {written} does not exist: there are {vertex_count} vertices so far"
+        ))
     }
 }
 
@@ -79,7 +85,8 @@ mod tests {
 
     #[test]
     fn vertices_are_rounded_to_f32_and_triangles_keep_their_order() {
-        let mesh = parse_obj("# made\nv 0.1 0 0\nv 1 0 0\nvn 0 0 1\nv 0 1 0\nf 1/1 2/2 3/3\nf -1 -2 -3\n").expect("a mesh");
+        let mesh =
+            parse_obj("# made\nv 0.1 0 0\nv 1 0 0\nvn 0 0 1\nv 0 1 0\nf 1/1 2/2 3/3\nf -1 -2 -3\n").expect("a mesh");
         assert_eq!(mesh.vertices[0].x, f64::from(0.1_f32));
         assert_eq!(mesh.triangles, vec![[0, 1, 2], [2, 1, 0]]);
     }

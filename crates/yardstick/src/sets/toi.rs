@@ -79,8 +79,9 @@ pub fn read(path: &Path, hulls: &HullTable) -> Result<Vec<ToiRecord>, SetError> 
         .into_iter()
         .map(|(number, line)| {
             let wrong = |reason: String| SetError::line(path, number, reason);
-            let resolve =
-                |form: &FormRecord, side: &str| form.resolve(hulls).map_err(|reason| wrong(format!("{side}: {reason}")));
+            let resolve = |form: &FormRecord, side: &str| {
+                form.resolve(hulls).map_err(|reason| wrong(format!("{side}: {reason}")))
+            };
             if line.hit != line.t.is_some() {
                 return Err(wrong("t must be there if hit is true, and only then".to_owned()));
             }
@@ -103,5 +104,8 @@ pub fn read(path: &Path, hulls: &HullTable) -> Result<Vec<ToiRecord>, SetError> 
 }
 
 fn motion(form: &FormRecord) -> Motion {
-    Motion { displacement: DVec3::from_array(form.v), rotation_vector: DVec3::from_array(form.w) }
+    Motion {
+        displacement: DVec3::from_array(form.v),
+        rotation_vector: DVec3::from_array(form.w),
+    }
 }

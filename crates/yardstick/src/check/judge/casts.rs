@@ -16,7 +16,10 @@ use crate::{
 };
 
 fn at_origin(mesh: &Arc<TriangleMesh>) -> Placed {
-    Placed { form: Form::Mesh(Arc::clone(mesh)), pose: Pose::at(DVec3::ZERO) }
+    Placed {
+        form: Form::Mesh(Arc::clone(mesh)),
+        pose: Pose::at(DVec3::ZERO),
+    }
 }
 
 impl Case for SphereCastRecord {
@@ -30,8 +33,14 @@ impl Case for SphereCastRecord {
 
     fn questions(&self) -> Vec<Question> {
         vec![Question::Impact {
-            a: Placed { form: Form::Sphere { radius: self.radius }, pose: Pose::at(self.origin) },
-            motion_a: Motion { displacement: self.displacement, rotation_vector: DVec3::ZERO },
+            a: Placed {
+                form: Form::Sphere { radius: self.radius },
+                pose: Pose::at(self.origin),
+            },
+            motion_a: Motion {
+                displacement: self.displacement,
+                rotation_vector: DVec3::ZERO,
+            },
             b: at_origin(&self.mesh),
             motion_b: Motion::default(),
         }]
@@ -50,7 +59,10 @@ impl Case for SphereCastRecord {
         }
         if let (Some(time), Some(hit)) = (self.time, hits.first()) {
             if self.start != hit.initial && !self.ambiguous {
-                outcome.fault(FaultKind::Verdict, format!("start is {}, expected {}", hit.initial, self.start));
+                outcome.fault(
+                    FaultKind::Verdict,
+                    format!("start is {}, expected {}", hit.initial, self.start),
+                );
             }
             self.judge_time(hit, time, &mut outcome);
         }
@@ -77,11 +89,22 @@ impl SphereCastRecord {
         }
         let tolerance = tolerance::SPHERE_CAST * self.scale;
         let (gap, _) = self.gap(hit.fraction);
-        outcome.compare("gap at the claimed time", gap, 0.0, Limit { tolerance, scale: self.scale });
+        outcome.compare(
+            "gap at the claimed time",
+            gap,
+            0.0,
+            Limit {
+                tolerance,
+                scale: self.scale,
+            },
+        );
         // A later touch has no gap either; but on the way there the ball was in the mesh.
         let (between, _) = self.gap(0.5 * (hit.fraction + time));
         if hit.fraction > time && between < -tolerance {
-            outcome.fault(FaultKind::Value, format!("time {:e} is after the first touch {time:e}", hit.fraction));
+            outcome.fault(
+                FaultKind::Value,
+                format!("time {:e} is after the first touch {time:e}", hit.fraction),
+            );
         }
         let (_, to_mesh) = self.gap(time);
         let rate = self.displacement.dot(to_mesh).abs() / to_mesh.length();
@@ -103,9 +126,16 @@ impl Case for CapsuleMeshRecord {
     fn questions(&self) -> Vec<Question> {
         let (a, b) = (self.capsule(), at_origin(&self.mesh));
         let value = if self.distance > 0.0 {
-            Question::Distance { a: a.clone(), b: b.clone() }
+            Question::Distance {
+                a: a.clone(),
+                b: b.clone(),
+            }
         } else {
-            Question::Penetration { a: a.clone(), b: b.clone(), max_gap: 0.0 }
+            Question::Penetration {
+                a: a.clone(),
+                b: b.clone(),
+                max_gap: 0.0,
+            }
         };
         vec![Question::Overlap { a, b }, value]
     }
@@ -123,7 +153,10 @@ impl Case for CapsuleMeshRecord {
                 None => outcome.fault(FaultKind::Verdict, "distance finds nothing"),
             },
             Some(Answer::Penetration(_, contacts)) => {
-                self.judge_faces(contacts.iter().filter_map(|contact| contact.face_of_b).collect(), &mut outcome);
+                self.judge_faces(
+                    contacts.iter().filter_map(|contact| contact.face_of_b).collect(),
+                    &mut outcome,
+                );
             }
             _ => {}
         }
@@ -133,29 +166,57 @@ impl Case for CapsuleMeshRecord {
 
 impl CapsuleMeshRecord {
     fn capsule(&self) -> Placed {
-        Placed { form: Form::Capsule { half_height: self.half_height, radius: self.radius }, pose: self.pose }
+        Placed {
+            form: Form::Capsule {
+                half_height: self.half_height,
+                radius: self.radius,
+            },
+            pose: self.pose,
+        }
     }
 
     fn judge_distance(&self, near: &Near, outcome: &mut Outcome) {
-        let limit = Limit { tolerance: tolerance::DISTANCE * self.scale, scale: self.scale };
+        let limit = Limit {
+            tolerance: tolerance::DISTANCE * self.scale,
+            scale: self.scale,
+        };
         outcome.compare("distance", near.distance, self.distance, limit);
-        outcome.hold("distance", &near.claim, self.distance, tolerance::REFERENCE * self.scale);
-        let sides = [("capsule", self.capsule(), near.point_on_a), ("mesh", at_origin(&self.mesh), near.point_on_b)];
+        outcome.hold(
+            "distance",
+            &near.claim,
+            self.distance,
+            tolerance::REFERENCE * self.scale,
+        );
+        let sides = [
+            ("capsule", self.capsule(), near.point_on_a),
+            ("mesh", at_origin(&self.mesh), near.point_on_b),
+        ];
         for (side, placed, point) in sides {
             let beside = distance_to_surface(&placed, point);
             if !(beside <= limit.tolerance) {
-                outcome.fault(FaultKind::Witness, format!("point on {side} is {beside:.2e} beside its surface"));
+                outcome.fault(
+                    FaultKind::Witness,
+                    format!("point on {side} is {beside:.2e} beside its surface"),
+                );
             }
         }
     }
 
     /// All triangles that are surely touched must be among the contacts, and none that surely is not.
     fn judge_faces(&self, found: BTreeSet<u32>, outcome: &mut Outcome) {
-        let missing: Vec<u32> = self.faces.iter().copied().filter(|face| !found.contains(face)).collect();
+        let missing: Vec<u32> = self
+            .faces
+            .iter()
+            .copied()
+            .filter(|face| !found.contains(face))
+            .collect();
         let allowed = |face: &u32| self.faces.contains(face) || self.maybe.contains(face);
         let extra: Vec<u32> = found.iter().copied().filter(|face| !allowed(face)).collect();
         if !missing.is_empty() || !extra.is_empty() {
-            outcome.fault(FaultKind::Witness, format!("contacts lack faces {missing:?}, and have {extra:?} too many"));
+            outcome.fault(
+                FaultKind::Witness,
+                format!("contacts lack faces {missing:?}, and have {extra:?} too many"),
+            );
         }
     }
 }

@@ -44,29 +44,42 @@ pub struct Outcome {
 impl Outcome {
     /// Notes a fault.
     pub fn fault(&mut self, kind: FaultKind, what: impl Into<String>) {
-        self.faults.push(Fault { kind, what: what.into() });
+        self.faults.push(Fault {
+            kind,
+            what: what.into(),
+        });
     }
 
     /// Compares a value with the truth. NaN is a fault.
-    fn compare(&mut self, what: &str, value: f64, truth: f64, limit: Limit) {
+    pub(super) fn compare(&mut self, what: &str, value: f64, truth: f64, limit: Limit) {
         let error = (value - truth).abs();
         self.note_error(error / limit.scale);
         if error.is_nan() || error > limit.tolerance {
             let tolerance = limit.tolerance;
-            self.fault(FaultKind::Value, format!("{what} {value:e}, expected {truth:e}: off by {error:.2e} > {tolerance:.2e}"));
+            self.fault(
+                FaultKind::Value,
+                format!("{what} {value:e}, expected {truth:e}: off by {error:.2e} > {tolerance:.2e}"),
+            );
         }
     }
 
     fn note_error(&mut self, error_over_scale: f64) {
-        let error = if error_over_scale.is_nan() { f64::INFINITY } else { error_over_scale };
+        let error = if error_over_scale.is_nan() {
+            f64::INFINITY
+        } else {
+            error_over_scale
+        };
         self.error_over_scale = Some(self.error_over_scale.map_or(error, |before| before.max(error)));
     }
 
     /// Checks that an interval holds the truth.
-    fn hold(&mut self, what: &str, claim: &Claim, truth: f64, slack: f64) {
+    pub(super) fn hold(&mut self, what: &str, claim: &Claim, truth: f64, slack: f64) {
         if !claim.holds(truth, slack) {
             let Claim { lower, upper, .. } = claim;
-            self.fault(FaultKind::Interval, format!("{what} [{lower:e}, {upper:e}] misses {truth:e}"));
+            self.fault(
+                FaultKind::Interval,
+                format!("{what} [{lower:e}, {upper:e}] misses {truth:e}"),
+            );
         }
     }
 
@@ -74,7 +87,10 @@ impl Outcome {
     fn verdict(&mut self, what: &str, found: Verdict, touches: bool) {
         let expected = if touches { Verdict::Hit } else { Verdict::Miss };
         if found != expected {
-            self.fault(FaultKind::Verdict, format!("{what} says {found:?}, expected {expected:?}"));
+            self.fault(
+                FaultKind::Verdict,
+                format!("{what} says {found:?}, expected {expected:?}"),
+            );
         }
     }
 
@@ -92,9 +108,9 @@ impl Outcome {
 
 /// How far a value may be off, and what its error is shown relative to; both metres.
 #[derive(Clone, Copy, Debug)]
-struct Limit {
-    tolerance: f64,
-    scale: f64,
+pub(super) struct Limit {
+    pub(super) tolerance: f64,
+    pub(super) scale: f64,
 }
 
 /// A record of a set: it knows what to ask and what is right.

@@ -1,0 +1,114 @@
+//! `yardstick check DIR`: asks every query set of a folder and says whether all answers are right.
+
+use std::{
+    io::{self, IsTerminal, Write},
+    path::PathBuf,
+    process::ExitCode,
+};
+
+use clap::{Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+use yardstick::check::{Asker, CrateAsker, Known, Reporting, ServerAsker, check_folder};
+
+/// How right Calipers is.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Asks every query set of a folder in the exact tier and compares the answers with those of the reference.
+    ///
+    /// Exits with 0 if all are right, 1 on any shortfall, 2 if nothing was read or a file is not understood.
+    Check(CheckArguments),
+}
+
+#[derive(clap::Args)]
+struct CheckArguments {
+    /// The folder with the query sets.
+    dir: PathBuf,
+    /// Ask this running server, such as 127.0.0.1:7070, instead of the crate in this process.
+    #[arg(long, value_name = "ADDR")]
+    server: Option<String>,
+    /// What is known not to be right yet (TOML): anything worse, and anything listed that is right by now, is exit 1.
+    #[arg(long, value_name = "FILE")]
+    known: Option<PathBuf>,
+    /// Show this many faulty records of each category.
+    #[arg(long, value_name = "COUNT", default_value_t = 3)]
+    examples: usize,
+}
+
+/// Nothing was read, or something was not understood.
+const EXIT_NOT_UNDERSTOOD: u8 = 2;
+
+fn main() -> ExitCode {
+    let Command::Check(arguments) = Arguments::parse().command;
+    match check(&arguments) {
+        Ok(code) => ExitCode::from(code),
+        Err(reason) => {
+            let _ = writeln!(io::stderr(), "yardstick: {reason}");
+            ExitCode::from(EXIT_NOT_UNDERSTOOD)
+        }
+    }
+}
+
+fn check(arguments: &CheckArguments) -> Result<u8, String> {
+    let known = match &arguments.known {
+        Some(path) => Known::read(path).map_err(|error| error.to_string())?,
+        None => Known::default(),
+    };
+    let mut asker: Box<dyn Asker> = match &arguments.server {
+        Some(address) => Box::new(ServerAsker::connect(address)?),
+        None => {
+            // Panics of the crate are counted, record by record: their text would only drown the tables.
+            std::panic::set_hook(Box::new(|_| {}));
+            Box::new(CrateAsker::new())
+        }
+    };
+    let bar = progress_bar();
+    let mut progress = |done: usize, all: usize, name: &str| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+        bar.set_message(name.to_owned());
+    };
+    let mut tables = Vec::new();
+    let mut reporting = Reporting {
+        out: &mut tables,
+        progress: &mut progress,
+        examples_max: arguments.examples,
+    };
+    let conclusion = check_folder(&arguments.dir, asker.as_mut(), &known, &mut reporting);
+    let conclusion = conclusion.map_err(|error| error.to_string())?;
+    bar.finish_and_clear();
+    let mut out = io::stdout().lock();
+    let print = |out: &mut dyn Write| -> io::Result<()> {
+        out.write_all(&tables)?;
+        for strange in &conclusion.strange {
+            writeln!(out, "not understood: {strange}")?;
+        }
+        for mismatch in &conclusion.mismatches {
+            writeln!(out, "shortfall: {}", mismatch.0)?;
+        }
+        let says = match conclusion.exit_code() {
+            0 => "all as expected",
+            1 => "there are shortfalls",
+            _ => "nothing was read, or not all was understood",
+        };
+        writeln!(out, "{} records: {says}", conclusion.record_count)
+    };
+    print(&mut out).map_err(|error| error.to_string())?;
+    Ok(conclusion.exit_code())
+}
+
+/// A bar on a terminal; nothing where nobody watches.
+fn progress_bar() -> ProgressBar {
+    if !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style =
+        ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(0).with_style(style)
+}
