@@ -12,7 +12,8 @@ mod special;
 pub mod tolerance;
 
 pub use ask::{
-    Answer, Asker, Claim, ContactAnswer, ImpactAnswer, Near, Neighbors, PairTally, Question, RayAnswer, Reply, Stage, Verdict,
+    Answer, Asker, Claim, ContactAnswer, ImpactAnswer, Near, Neighbors, PairTally, Question, RayAnswer, Reply, Stage,
+    Verdict,
 };
 pub use crate_asker::CrateAsker;
 use judge::Limit;

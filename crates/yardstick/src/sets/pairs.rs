@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use glam::DVec3;
 use serde::Deserialize;
 
 use super::{FormRecord, HullTable, Placed, SetError, read_lines};
 
-/// Two placed forms and what is true of them.
+/// Two placed forms and what is true of them. The reference's normal is not read: another one may be as right, and where
+/// forms are concentric there is none.
 #[derive(Clone, Debug)]
 pub struct PairRecord {
     /// Index in the file.
@@ -22,8 +22,6 @@ pub struct PairRecord {
     pub b: Placed,
     /// Signed distance, metres; negative is depth.
     pub distance: f64,
-    /// Unit vector from `a` to `b`; one of several where the depth is minimal along several.
-    pub normal_a_to_b: DVec3,
     /// What errors are relative to, metres.
     pub scale: f64,
 }
@@ -37,7 +35,6 @@ struct Line {
     a: FormRecord,
     b: FormRecord,
     d: f64,
-    n: [f64; 3],
     s: f64,
 }
 
@@ -61,7 +58,6 @@ pub fn read(path: &Path, hulls: &HullTable) -> Result<Vec<PairRecord>, SetError>
                 category: line.cat,
                 ambiguous: line.amb != 0,
                 distance: line.d,
-                normal_a_to_b: DVec3::from_array(line.n),
                 scale: line.s,
             })
         })

@@ -158,7 +158,6 @@ mod tests {
             a: ball(0.0),
             b: ball(2.0 + gap),
             distance: gap,
-            normal_a_to_b: DVec3::X,
             scale: 2.0 + gap,
         }
     }

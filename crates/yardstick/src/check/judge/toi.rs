@@ -104,7 +104,8 @@ impl ToiRecord {
         } else {
             tolerance::REFERENCE
         };
-        let slack = (reference * (self.scale + self.speed) + self.end_rounding()) / rate;
+        let gap = reference * (self.scale + self.speed) + tolerance::REFERENCE_IMPACT_GAP + self.end_rounding();
+        let slack = gap / rate;
         outcome.hold("time", &hit.claim, time, slack);
     }
 
