@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, sync::Arc};
 
 use glam::DVec3;
 
-use super::{Case, FaultKind, Limit, Outcome};
+use super::{Case, FaultKind, Limit, Outcome, exceeds};
 use crate::{
     check::{Answer, ImpactAnswer, Near, Question, Reply, Verdict, tolerance},
     oracle::{distance_to_surface, nearest_on_mesh},
@@ -193,7 +193,7 @@ impl CapsuleMeshRecord {
         ];
         for (side, placed, point) in sides {
             let beside = distance_to_surface(&placed, point);
-            if !(beside <= limit.tolerance) {
+            if exceeds(beside, limit.tolerance) {
                 outcome.fault(
                     FaultKind::Witness,
                     format!("point on {side} is {beside:.2e} beside its surface"),

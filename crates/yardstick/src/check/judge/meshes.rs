@@ -1,6 +1,6 @@
 //! Distances of mesh surfaces.
 
-use super::{Case, FaultKind, Limit, Outcome};
+use super::{Case, FaultKind, Limit, Outcome, exceeds};
 use crate::{
     check::{Answer, Near, Question, Reply, tolerance},
     oracle::distance_to_surface,
@@ -65,7 +65,7 @@ impl MeshPairRecord {
             return;
         }
         let apart = near.point_on_a.distance(near.point_on_b);
-        if !((apart - self.distance).abs() <= limit.tolerance) {
+        if exceeds((apart - self.distance).abs(), limit.tolerance) {
             outcome.fault(
                 FaultKind::Witness,
                 format!("points are {apart:e} apart, expected {:e}", self.distance),
@@ -73,7 +73,7 @@ impl MeshPairRecord {
         }
         for (side, placed, point) in [("a", &self.a, near.point_on_a), ("b", &self.b, near.point_on_b)] {
             let beside = distance_to_surface(placed, point);
-            if !(beside <= limit.tolerance) {
+            if exceeds(beside, limit.tolerance) {
                 outcome.fault(
                     FaultKind::Witness,
                     format!("point on {side} is {beside:.2e} beside its surface"),

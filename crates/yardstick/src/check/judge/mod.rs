@@ -54,7 +54,7 @@ impl Outcome {
     pub(super) fn compare(&mut self, what: &str, value: f64, truth: f64, limit: Limit) {
         let error = (value - truth).abs();
         self.note_error(error / limit.scale);
-        if error.is_nan() || error > limit.tolerance {
+        if exceeds(error, limit.tolerance) {
             let tolerance = limit.tolerance;
             self.fault(
                 FaultKind::Value,
@@ -111,6 +111,11 @@ impl Outcome {
 pub(super) struct Limit {
     pub(super) tolerance: f64,
     pub(super) scale: f64,
+}
+
+/// Whether a number is above a limit; NaN is above every limit, so that it is a fault.
+fn exceeds(number: f64, limit: f64) -> bool {
+    number.is_nan() || number > limit
 }
 
 /// A record of a set: it knows what to ask and what is right.

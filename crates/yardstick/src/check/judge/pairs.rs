@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Case, FaultKind, Limit, Outcome};
+use super::{Case, FaultKind, Limit, Outcome, exceeds};
 use crate::{
     check::{Answer, ContactAnswer, Near, Question, Reply, tolerance},
     oracle::{distance_to_surface, separation_along},
@@ -91,8 +91,7 @@ impl PairRecord {
         let far = self.a.pose.position.abs().max(self.b.pose.position.abs()).max_element();
         let off = self.tolerance() + tolerance::WORLD_POINT * far;
         let apart = near.point_on_a.distance(near.point_on_b);
-        // Written so that NaN is a fault.
-        if !((apart - self.distance).abs() <= off) {
+        if exceeds((apart - self.distance).abs(), off) {
             outcome.fault(
                 FaultKind::Witness,
                 format!("points are {apart:e} apart, expected {:e}", self.distance),
@@ -100,7 +99,7 @@ impl PairRecord {
         }
         for (side, placed, point) in [("a", &self.a, near.point_on_a), ("b", &self.b, near.point_on_b)] {
             let beside = distance_to_surface(placed, point);
-            if !(beside <= off) {
+            if exceeds(beside, off) {
                 outcome.fault(
                     FaultKind::Witness,
                     format!("point on {side} is {beside:.2e} beside its surface"),
@@ -122,7 +121,7 @@ impl PairRecord {
 
     /// A normal is right if the gap along it is the signed distance: it need not be the reference's.
     fn judge_normal(&self, a_to_b: DVec3, signed_distance: f64, outcome: &mut Outcome) {
-        if !((a_to_b.length() - 1.0).abs() <= tolerance::UNIT) {
+        if exceeds((a_to_b.length() - 1.0).abs(), tolerance::UNIT) {
             outcome.fault(
                 FaultKind::Witness,
                 format!("the normal has length {:e}", a_to_b.length()),
@@ -130,7 +129,7 @@ impl PairRecord {
             return;
         }
         let gap = separation_along(&self.a, &self.b, a_to_b);
-        if !((gap - signed_distance).abs() <= self.tolerance()) {
+        if exceeds((gap - signed_distance).abs(), self.tolerance()) {
             let what = format!("the gap along the normal is {gap:e}, expected {signed_distance:e}");
             outcome.fault(FaultKind::Witness, what);
         }

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::{Case, FaultKind, Outcome};
+use super::{Case, FaultKind, Outcome, exceeds};
 use crate::{
     check::{Answer, ImpactAnswer, Question, Reply, Verdict, tolerance},
     oracle::separation_along,
@@ -91,7 +91,7 @@ impl ToiRecord {
         let way = (hit.fraction - time).abs() * rate;
         outcome.note_error(way / self.scale);
         let excused = self.turns() && hit.normal_b_to_a.is_some();
-        if !(way <= self.tolerance() || excused) {
+        if exceeds(way, self.tolerance()) && !excused {
             let what = format!(
                 "time {:e}, expected {time:e}: {way:.2e} of way > {:.2e}",
                 hit.fraction,
@@ -134,9 +134,9 @@ impl ToiRecord {
             &moved(&self.b, &self.motion_b, time),
             a_to_b,
         );
-        let unit = (a_to_b.length() - 1.0).abs() <= tolerance::UNIT;
+        let unit_error = (a_to_b.length() - 1.0).abs();
         let allowed = tolerance::IMPACT_NORMAL * self.scale + tolerance::SPEED * self.speed;
-        if !(unit && gap.abs() <= allowed) {
+        if exceeds(unit_error, tolerance::UNIT) || exceeds(gap.abs(), allowed) {
             outcome.fault(
                 FaultKind::Witness,
                 format!("the gap along the normal at the touch is {gap:e}"),
