@@ -7,12 +7,15 @@
 //! place where its parent still holds it, else put in anew.
 //!
 //! The heuristic alone makes chains of boxes that lie in each other, as tall as they are many. So siblings may differ in
-//! height by [`IMBALANCE_MAX`] at most, as in an AVL tree (Adelson-Velsky and Landis 1962) of wider tolerance: see
+//! height by [`balance::IMBALANCE_MAX`] at most, as in an AVL tree (Adelson-Velsky and Landis 1962) of wider tolerance: see
 //! [`DynamicTree::balance`]. The height is then at most about 3 log₂ of the number of leaves.
 //!
 //! # Source
 //! Catto, "Dynamic Bounding Volume Hierarchies", GDC 2019 (descent, rotations); Kopta et al., "Fast, Effective BVH
 //! Updates for Animated Scenes", I3D 2012 (rotations). The bound on heights is our own.
+
+mod balance;
+mod check;
 
 use glam::DVec3;
 
@@ -21,10 +24,7 @@ use super::{
     traverse::{Expanded, NodeIndex},
 };
 use crate::{math::Aabb, pages::Pages};
-
-/// How much the heights of siblings may differ. Smaller forces boxes that are far apart to be siblings, larger allows
-/// deeper trees: with 6 a tree of a million leaves has at most 61 levels.
-const IMBALANCE_MAX: u32 = 6;
+use balance::IMBALANCE_MAX;
 
 /// No node.
 const NONE: u32 = u32::MAX;
@@ -184,43 +184,6 @@ impl DynamicTree {
         size_of::<Self>() as u64 + self.nodes.memory_bytes()
     }
 
-    /// Asserts what holds after every edit; for tests.
-    ///
-    /// # Panics
-    /// If a link is not mutual, a box does not hold its children's, a height is wrong or siblings are out of balance.
-    pub fn assert_sound(&self) {
-        let (mut leaf_count, mut node_count) = (0, 0);
-        let mut open: Vec<(u32, u32)> = (self.root != NONE).then_some((self.root, NONE)).into_iter().collect();
-        while let Some((index, parent)) = open.pop() {
-            let node = self.node(index);
-            node_count += 1;
-            assert_eq!(node.parent, parent, "parent of node {index}");
-            if node.is_leaf() {
-                leaf_count += 1;
-                assert_eq!(node.height, 0, "height of leaf {index}");
-                continue;
-            }
-            let (left, right) = (self.node(node.left), self.node(node.right));
-            assert_eq!(node.height, 1 + left.height.max(right.height), "height of node {index}");
-            assert!(
-                left.height.abs_diff(right.height) <= IMBALANCE_MAX,
-                "balance of node {index}"
-            );
-            assert!(
-                node.bounds.contains(left.bounds.union(right.bounds)),
-                "box of node {index}"
-            );
-            open.extend([(node.left, index), (node.right, index)]);
-        }
-        assert_eq!(leaf_count, self.leaf_count, "number of leaves");
-        let mut free = self.free;
-        while free != NONE {
-            node_count += 1;
-            free = self.node(free).parent;
-        }
-        assert_eq!(node_count, self.nodes.len(), "every node is in the tree or free");
-    }
-
     fn node(&self, index: u32) -> &Node {
         &self.nodes[index as usize]
     }
@@ -352,101 +315,6 @@ impl DynamicTree {
             (growth_above + growth + bounds.half_area()).min(growth_above + area_with_box),
             area_with_box,
         )
-    }
-
-    /// Makes boxes, heights and balance right from `index` to the root, and lowers the cost where it can.
-    fn refit_from(&mut self, mut index: u32) {
-        while index != NONE {
-            let old = *self.node(index);
-            self.balance(index);
-            self.refit(index);
-            self.lower_cost(index, old.height);
-            let new = self.node(index);
-            let is_settled = new.bounds == old.bounds && new.height == old.height;
-            index = new.parent;
-            if is_settled {
-                return;
-            }
-        }
-    }
-
-    fn refit(&mut self, index: u32) {
-        let node = *self.node(index);
-        let (left, right) = (self.node(node.left), self.node(node.right));
-        let (bounds, height) = (left.bounds.union(right.bounds), 1 + left.height.max(right.height));
-        if bounds != node.bounds || height != node.height {
-            let node = &mut self.nodes[index as usize];
-            node.bounds = bounds;
-            node.height = height;
-        }
-    }
-
-    /// Restores the bound on heights at a node whose children may now differ by one more than allowed.
-    ///
-    /// Let `low` be the lower child, of height `l`, and `high` the other, of height `l + K + 1`. Its higher child `up`
-    /// has height `l + K`, its other child `stay` any from `l` to `l + K`. After exchanging `low` and `up`, the children
-    /// of `high` differ by at most `K`, its height is 1 more than `stay`'s, and it differs from `up` by at most `K`. The
-    /// height of the whole falls by 1 or stays. By induction no height changes by more than 1 in one edit, so the
-    /// children never differ by more than `K + 1` here.
-    fn balance(&mut self, index: u32) {
-        let node = *self.node(index);
-        let (left, right) = (self.height(node.left), self.height(node.right));
-        if left.abs_diff(right) <= IMBALANCE_MAX {
-            return;
-        }
-        let (low, high) = if left < right {
-            (node.left, node.right)
-        } else {
-            (node.right, node.left)
-        };
-        let high = *self.node(high);
-        let up = if self.height(high.left) >= self.height(high.right) {
-            high.left
-        } else {
-            high.right
-        };
-        self.exchange(index, low, up);
-    }
-
-    /// Exchanges `child`, of the node `index`, with `grandchild`, of its other child, which is refitted.
-    fn exchange(&mut self, index: u32, child: u32, grandchild: u32) {
-        let middle = self.node(grandchild).parent;
-        self.replace_child(middle, grandchild, child);
-        self.replace_child(index, child, grandchild);
-        self.nodes[child as usize].parent = middle;
-        self.nodes[grandchild as usize].parent = index;
-        self.refit(middle);
-    }
-
-    /// Exchanges a child with a grandchild of the other side where that makes the node between them smaller, unless that
-    /// spoils the balance or makes the height differ by more than 1 from what it was before the edit.
-    fn lower_cost(&mut self, index: u32, height_before: u32) {
-        let node = *self.node(index);
-        let mut best: Option<(f64, u32, u32)> = None;
-        for (child, middle) in [(node.left, node.right), (node.right, node.left)] {
-            let middle = *self.node(middle);
-            if middle.is_leaf() {
-                continue;
-            }
-            for (grandchild, stays) in [(middle.left, middle.right), (middle.right, middle.left)] {
-                let (height_child, height_stays) = (self.height(child), self.height(stays));
-                let height_middle = 1 + height_child.max(height_stays);
-                let height_grandchild = self.height(grandchild);
-                let height = 1 + height_middle.max(height_grandchild);
-                let is_balanced = height_child.abs_diff(height_stays) <= IMBALANCE_MAX
-                    && height_middle.abs_diff(height_grandchild) <= IMBALANCE_MAX
-                    && height.abs_diff(height_before) <= 1;
-                let area = self.node(child).bounds.union(self.node(stays).bounds).half_area();
-                let gain = middle.bounds.half_area() - area;
-                if is_balanced && gain > best.map_or(0.0, |(gain, ..)| gain) {
-                    best = Some((gain, child, grandchild));
-                }
-            }
-        }
-        if let Some((_, child, grandchild)) = best {
-            self.exchange(index, child, grandchild);
-            self.refit(index);
-        }
     }
 }
 

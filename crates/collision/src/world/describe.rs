@@ -3,7 +3,11 @@
 use std::sync::Arc;
 
 use super::{Snapshot, Tick, Time};
-use crate::{broad::StaticTree, math::Aabb, shape::Geometry};
+use crate::{
+    broad::StaticTree,
+    math::Aabb,
+    shape::{Form, Geometry},
+};
 
 /// What a version holds, what was built for it and what that costs.
 #[derive(Clone, Debug)]
@@ -57,9 +61,10 @@ impl Snapshot {
         }
         geometries.sort_unstable_by_key(|geometry| Arc::as_ptr(geometry));
         geometries.dedup_by_key(|geometry| Arc::as_ptr(geometry));
-        let built = self.built();
+        let trees = self.trees();
         let geometry_bytes: u64 = geometries.iter().map(|geometry| geometry.memory_bytes()).sum();
-        let tree_bytes: u64 = built.iter().map(|structure| structure.memory_bytes).sum();
+        let tree_bytes: u64 = trees.iter().map(|structure| structure.memory_bytes).sum();
+        let built = trees.into_iter().chain(mesh_trees(&geometries)).collect();
         Description {
             tick: self.tick,
             time: self.time,
@@ -73,7 +78,7 @@ impl Snapshot {
         }
     }
 
-    fn built(&self) -> Vec<BuiltStructure> {
+    fn trees(&self) -> Vec<BuiltStructure> {
         let mut built = Vec::new();
         if !self.state.moving.is_empty() {
             built.push(BuiltStructure {
@@ -91,6 +96,20 @@ impl Snapshot {
         }
         built
     }
+}
+
+/// The trees of meshes that were needed so far, if any was; their memory is that of their geometries.
+fn mesh_trees(geometries: &[&Arc<Geometry>]) -> Option<BuiltStructure> {
+    let built = geometries.iter().filter_map(|geometry| match geometry.form() {
+        Form::Mesh(mesh) => mesh.built_tree(),
+        Form::Convex(_) => None,
+    });
+    let (count, memory_bytes) = built.fold((0, 0), |(count, bytes), tree| (count + 1, bytes + tree.memory_bytes()));
+    (count > 0).then_some(BuiltStructure {
+        name: "mesh_tree",
+        count,
+        memory_bytes,
+    })
 }
 
 /// 1 where the fresh tree costs nothing: of points, or of nothing.

@@ -5,13 +5,14 @@ use std::{
     ops::ControlFlow,
 };
 
-use crate::random::Random;
 use collision::{
     DVec3,
     answer::Work,
     broad::{DynamicTree, NodeIndex, Path, Refit, StaticTree, Tree},
     math::Aabb,
 };
+
+use crate::random::Random;
 
 fn found_by_box(tree: &impl Tree, query: Aabb) -> BTreeSet<u32> {
     let mut found = BTreeSet::new();
@@ -198,10 +199,6 @@ fn it_is_about_as_good_as_a_fresh_tree_after_many_moves() {
         "{ratio:.2} times the visits of a fresh tree, {} levels",
         tree.depth()
     );
-    println!(
-        "{ratio:.2} times the visits, {} levels, cost {} to {}",
-        tree.depth(),
-        tree.area_sum(),
-        fresh.area_sum()
-    );
+    let cost = tree.area_sum() / fresh.area_sum();
+    assert!((0.5..2.0).contains(&cost), "{cost:.2} times the cost of a fresh tree");
 }

@@ -2,13 +2,14 @@
 
 use std::{collections::BTreeSet, ops::ControlFlow};
 
-use crate::random::Random;
 use collision::{
     DVec3,
     answer::Work,
     broad::{Path, StaticTree, Tree},
     math::Aabb,
 };
+
+use crate::random::Random;
 
 const SCALES: [f64; 5] = [1e-6, 1e-2, 1.0, 1e3, 1e9];
 

@@ -1,12 +1,13 @@
 //! The same question on the same shapes has the same answer, bit by bit, whatever the world went through before.
 
-use crate::random::Random;
-use crate::scene::{
-    ask, grid_shapes, id, random_filter, random_pose, random_questions, random_shapes, shape, world_of,
-};
 use collision::{
     DVec3,
     world::{Edit, EditRule, Filter, Shape, Time, World},
+};
+
+use crate::random::Random;
+use crate::scene::{
+    ask, grid_shapes, id, random_filter, random_pose, random_questions, random_shapes, shape, world_of,
 };
 
 /// The same shapes in another order, moved to where they are through other places, among others that are gone.

@@ -2,10 +2,6 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use crate::{
-    random::Random,
-    scene::{self, id},
-};
 use collision::{
     DQuat, DVec3,
     accuracy::Accuracy,
@@ -15,6 +11,11 @@ use collision::{
         Edit, EditError, EditFault, EditRule, Filter, Meter, Mobility, Overlap, Shape, ShapeId, Snapshot, Subject,
         Time, World,
     },
+};
+
+use crate::{
+    random::Random,
+    scene::{self, id},
 };
 
 type Model = BTreeMap<ShapeId, Shape>;

@@ -44,7 +44,7 @@ fn tick(random: &mut Random, geometry: &Arc<Geometry>) -> Vec<Edit> {
         match random.bits() % 4 {
             0 => {}
             1 => {
-                let mobility = if random.bits() % 2 == 0 {
+                let mobility = if random.unit() < 0.5 {
                     Mobility::Static
                 } else {
                     Mobility::Dynamic
@@ -144,7 +144,7 @@ fn no_reader_sees_half_a_tick() {
                     looks.fetch_add(1, Ordering::Relaxed);
                     // An old version is looked at again while the writer reuses what it may.
                     assert_whole(kept.get_or_insert_with(|| Arc::clone(&snapshot)), random.bits() % PAIRS);
-                    if random.bits() % 16 == 0 {
+                    if random.unit() < 0.06 {
                         kept = None;
                     }
                 }

@@ -48,10 +48,18 @@ pub(crate) fn random_pose(random: &mut Random, spread: f64) -> Pose {
 pub(crate) fn random_geometry(random: &mut Random) -> Arc<Geometry> {
     let size = random.vector().abs() + 0.2;
     Arc::new(
-        match random.bits() % 4 {
+        match random.bits() % 5 {
             0 => Geometry::sphere(size.x),
             1 => Geometry::cuboid(size),
             2 => Geometry::capsule(size.x, size.y),
+            3 => {
+                // A roof of four triangles, open below.
+                let corners = [DVec3::Y * size.y, DVec3::X, DVec3::Z, -DVec3::X, -DVec3::Z];
+                Geometry::mesh(
+                    &corners.map(|corner| corner * size.x),
+                    &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
+                )
+            }
             _ => {
                 let points: Vec<DVec3> = (0..12).map(|_| random.vector() * size.x).collect();
                 Geometry::hull(&points)
@@ -72,7 +80,7 @@ pub(crate) fn random_shapes(random: &mut Random, count: u64) -> Vec<Shape> {
                 1 => Mobility::Dynamic,
                 _ => Mobility::Kinematic,
             },
-            sensor: random.bits() % 6 == 0,
+            sensor: random.unit() < 0.2,
             group: (random.bits() % 4) as u32,
             ..shape(number, random_geometry(random), random_pose(random, 4.0))
         })
