@@ -179,3 +179,24 @@ fn no_answer_is_ever_nan_at_any_scale() {
         );
     }
 }
+
+#[test]
+fn huge_hulls_answer_within_bounded_work() {
+    let mut noise = Noise(13);
+    let points: Vec<DVec3> = (0..20_000).map(|_| noise.vector().normalize()).collect();
+    let hull = Body {
+        geometry: Geometry::hull(&points).expect("points"),
+        pose: Pose::IDENTITY,
+    };
+    let other = hull.moved(DVec3::new(0.9, 0.3, -0.2));
+    let contact = contact(&hull, &other);
+    let truth = 2.0 - DVec3::new(0.9, 0.3, -0.2).length();
+    assert_eq!(contact.certificate.verdict, Verdict::Hit);
+    assert_eq!(contact.certificate.stop, collision::answer::Stop::Budget);
+    assert!(
+        contact.certificate.bound.lower < truth && contact.depth > truth - 0.1,
+        "{contact:?}"
+    );
+    let apart = hull.moved(DVec3::X * 3.0);
+    assert!((distance(&hull, &apart) - 1.0).abs() < 0.01);
+}

@@ -13,7 +13,8 @@
 //! polyhedra" (GDC 2013): Gauss map.
 //!
 //! # Limits
-//! Beyond [`PAIRS_MAX`] edge pairs only face axes are measured and the lower bound is open.
+//! Where more than [`WORK_MAX`] edge pairs or corners would be looked at, only a few fixed axes are measured: the depth is
+//! then a true way out, but the lower bound is open, and the answer says that the budget ended it.
 
 use glam::DVec3;
 
@@ -27,8 +28,8 @@ use crate::{
     tolerance::{AXIS_LEAN, PAIR_ROUNDING, ROUNDING},
 };
 
-/// Most edge pairs that are tested: about a fifth of a second.
-const PAIRS_MAX: usize = 1 << 24;
+/// Most edge pairs, and most corners under all face axes, that are looked at: some 50 ms.
+const WORK_MAX: usize = 1 << 24;
 
 /// The depth of two cores in the pair's frame: negative if an axis parts them.
 pub(super) struct Depth {
@@ -73,17 +74,22 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
         edges: None,
         tested: 0,
     };
-    for &normal in &a.normals {
-        best.try_axis(-normal);
-    }
-    for &normal in &b.normals {
-        best.try_axis(normal);
-    }
-    let is_bounded = a.edges.len().saturating_mul(b.edges.len()) <= PAIRS_MAX;
-    if is_bounded && a.is_solid && b.is_solid {
-        crossing_edges(&mut best, &a, &b);
-    } else if is_bounded {
-        all_edges(&mut best, &a, &b);
+    let corners = pair.a.corner_count() + pair.b.corner_count();
+    let is_bounded = a.edges.len().saturating_mul(b.edges.len()) <= WORK_MAX
+        && (a.normals.len() + b.normals.len()).saturating_mul(corners) <= WORK_MAX;
+    if is_bounded {
+        all_axes(&mut best, &a, &b);
+    } else {
+        let apart = pair.a.center() - pair.b.center();
+        for axis in [
+            DVec3::X,
+            DVec3::Y,
+            DVec3::Z,
+            apart.try_normalize().unwrap_or(DVec3::ONE.normalize()),
+        ] {
+            best.try_axis(axis);
+            best.try_axis(-axis);
+        }
     }
     if best.tested == 0 {
         best.try_axis(perpendicular(a.edges.first().or(b.edges.first())));
@@ -101,6 +107,21 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
         edges: best.edges,
         iterations: best.tested,
         stop: if is_bounded { Stop::Converged } else { Stop::Budget },
+    }
+}
+
+/// The faces of both and the edge pairs that can matter.
+fn all_axes(best: &mut Best<'_>, a: &Outline, b: &Outline) {
+    for &normal in &a.normals {
+        best.try_axis(-normal);
+    }
+    for &normal in &b.normals {
+        best.try_axis(normal);
+    }
+    if a.is_solid && b.is_solid {
+        crossing_edges(best, a, b);
+    } else {
+        all_edges(best, a, b);
     }
 }
 

@@ -113,8 +113,14 @@ fn touch(pair: &Pair<'_>, budget: u32, max_gap: f64) -> Option<Touch> {
     if -depth.upper - radius > max_gap {
         return None;
     }
-    // The cores are no farther apart than GJK found, so the depth is no less than that leaves.
-    let lower = (depth.lower + radius).max(radius - gap.upper).min(depth.upper + radius);
+    // The depth is no less than the ball around the origin that a tetrahedron of the difference holds, or, where the cores
+    // may be apart, than what the gap leaves of the radii.
+    let by_gap = if gap.inside > PAIR_ROUNDING {
+        radius + gap.inside - PAIR_ROUNDING
+    } else {
+        radius - gap.upper
+    };
+    let lower = (depth.lower + radius).max(by_gap).min(depth.upper + radius);
     Some(Touch {
         best: (depth.best + radius).clamp(lower, depth.upper + radius),
         lower,

@@ -126,6 +126,17 @@ impl Body<'_> {
         }
     }
 
+    /// How many corners the core has.
+    pub(super) fn corner_count(&self) -> usize {
+        match self.core {
+            Core::Point => 1,
+            Core::Segment { .. } => 2,
+            Core::Cuboid { .. } => 8,
+            Core::Hull(hull) => hull.vertices().len(),
+            Core::Triangle(_) => 3,
+        }
+    }
+
     /// A direction of the core's own frame in the pair's.
     pub(super) fn turn(&self, local: DVec3) -> DVec3 {
         self.rotation * local
