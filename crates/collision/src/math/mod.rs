@@ -2,9 +2,11 @@
 
 mod aabb;
 pub mod directed;
+mod direction;
 pub mod exact;
 pub mod expansion;
 mod pose;
 
 pub use aabb::Aabb;
+pub use direction::try_unit;
 pub use pose::Pose;

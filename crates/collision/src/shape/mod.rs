@@ -11,6 +11,7 @@ mod hull;
 mod identity;
 mod limits;
 mod mesh;
+mod planar;
 mod quickhull;
 
 pub use adjacency::Adjacency;

@@ -17,10 +17,13 @@
 use std::collections::{BTreeMap, HashSet};
 
 use glam::DVec3;
-use robust::{Coord, Coord3D, orient2d, orient3d};
+use robust::{Coord3D, orient3d};
 
-use super::hull::{Edge, Face, Span, Topology};
-use crate::math::exact;
+use super::{
+    hull::{Edge, Face, Span, Topology},
+    planar::{exact_cross, polygon},
+};
+use crate::math::{exact, try_unit};
 
 /// The faces and edges of a hull with volume.
 pub(super) struct Solid {
@@ -99,16 +102,6 @@ fn index_of_max(points: &[DVec3], mut key: impl FnMut(usize, DVec3) -> f64) -> O
     best.map(|(index, _)| index)
 }
 
-/// The three projections of `(b - a) × (c - a)`, each with an exact sign.
-fn exact_cross(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
-    let on = |u: fn(DVec3) -> Coord<f64>| orient2d(u(a), u(b), u(c));
-    DVec3::new(
-        on(|p| Coord { x: p.y, y: p.z }),
-        on(|p| Coord { x: p.z, y: p.x }),
-        on(|p| Coord { x: p.x, y: p.y }),
-    )
-}
-
 fn farthest_off_line(points: &[DVec3], [a, b]: [usize; 2]) -> Option<usize> {
     let off = |p: DVec3| exact_cross(points[a], points[b], p);
     let best = index_of_max(points, |_, p| off(p).length_squared())?;
@@ -133,62 +126,8 @@ fn line_ends(points: &[DVec3], [a, b]: [usize; 2]) -> [u32; 2] {
     ends.map(|end| index_u32(end.unwrap_or(0)))
 }
 
-/// The hull of points in one plane, as a polygon with two sides.
-///
-/// # Method
-/// Andrew's monotone chain (1979) in the coordinate plane in which the polygon is largest, with exact turns.
-fn polygon(points: &[DVec3], [a, b, c]: [usize; 3]) -> Topology {
-    let across = exact_cross(points[a], points[b], points[c]);
-    let size = across.abs();
-    let project: fn(DVec3) -> Coord<f64> = if size.x >= size.y && size.x >= size.z {
-        |p| Coord { x: p.y, y: p.z }
-    } else if size.y >= size.z {
-        |p| Coord { x: p.z, y: p.x }
-    } else {
-        |p| Coord { x: p.x, y: p.y }
-    };
-    let flat: Vec<Coord<f64>> = points.iter().map(|&p| project(p)).collect();
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|&i, &j| flat[i].x.total_cmp(&flat[j].x).then(flat[i].y.total_cmp(&flat[j].y)));
-    let mut outline = half_outline(&flat, order.iter().copied());
-    outline.pop();
-    outline.extend(half_outline(&flat, order.iter().rev().copied()));
-    outline.pop();
-
-    let normal = polygon_normal(points, &outline);
-    let front = face(points, &outline, normal);
-    let back = face(points, &outline.iter().rev().copied().collect::<Vec<_>>(), -normal);
-    let edges = (0..outline.len())
-        .map(|i| Edge {
-            start: outline[i],
-            end: outline[(i + 1) % outline.len()],
-            left: 0,
-            right: 1,
-        })
-        .collect();
-    Topology {
-        span: Span::Polygon,
-        faces: vec![front, back],
-        edges,
-    }
-}
-
-fn half_outline(flat: &[Coord<f64>], order: impl Iterator<Item = usize>) -> Vec<u32> {
-    let mut chain: Vec<usize> = Vec::new();
-    for index in order {
-        while let [.., before, last] = chain[..] {
-            if orient2d(flat[before], flat[last], flat[index]) > 0.0 {
-                break;
-            }
-            chain.pop();
-        }
-        chain.push(index);
-    }
-    chain.into_iter().map(index_u32).collect()
-}
-
 /// The unit normal from the corner triple of largest area that begins at the first vertex or is a run of three.
-fn polygon_normal(points: &[DVec3], outline: &[u32]) -> DVec3 {
+pub(super) fn polygon_normal(points: &[DVec3], outline: &[u32]) -> DVec3 {
     let corner = |i: usize| points[outline[i % outline.len()] as usize];
     let count = outline.len();
     let third = (count / 3).max(1);
@@ -202,21 +141,15 @@ fn polygon_normal(points: &[DVec3], outline: &[u32]) -> DVec3 {
                 best
             }
         });
-    unit(largest)
+    try_unit(largest).unwrap_or(DVec3::X)
 }
 
 /// Hulls have at most [`Limits::HULL_POINTS`](super::Limits::HULL_POINTS) points, so every index fits.
-fn index_u32(index: usize) -> u32 {
+pub(super) fn index_u32(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }
 
-/// A unit vector, also of a very short or long one.
-fn unit(v: DVec3) -> DVec3 {
-    let largest = v.abs().max_element();
-    (v / largest).normalize()
-}
-
-fn face(points: &[DVec3], outline: &[u32], normal: DVec3) -> Face {
+pub(super) fn face(points: &[DVec3], outline: &[u32], normal: DVec3) -> Face {
     let offset = outline
         .iter()
         .map(|&v| normal.dot(points[v as usize]))

@@ -24,6 +24,7 @@ use super::{
 };
 use crate::{
     answer::Stop,
+    math::{exact, try_unit},
     shape::{Core, Hull, Span},
     tolerance::{AXIS_LEAN, PAIR_ROUNDING, ROUNDING},
 };
@@ -266,7 +267,7 @@ fn hull_outline(body: &Body<'_>, hull: &Hull) -> Outline {
     };
     let vertices = hull.vertices();
     let edges = topology.edges.iter().filter_map(|e| {
-        let along = unit(vertices[e.end as usize] - vertices[e.start as usize])?;
+        let along = try_unit(vertices[e.end as usize] - vertices[e.start as usize])?;
         Some(edge(
             body,
             [e.start, e.end],
@@ -283,10 +284,10 @@ fn hull_outline(body: &Body<'_>, hull: &Hull) -> Outline {
 
 fn triangle(body: &Body<'_>, corners: &[DVec3; 3]) -> Outline {
     let [a, b, c] = *corners;
-    let normal = unit(crate::math::exact::cross(b - a, c - a)).map(|normal| body.turn(normal));
+    let normal = try_unit(exact::cross(b - a, c - a)).map(|normal| body.turn(normal));
     let sides = [[0, 1], [1, 2], [2, 0]];
     let edges = sides.into_iter().filter_map(|[i, j]| {
-        let along = unit(corners[j] - corners[i])?;
+        let along = try_unit(corners[j] - corners[i])?;
         Some(edge(
             body,
             [i, j].map(|corner| corner as u32),
@@ -299,10 +300,4 @@ fn triangle(body: &Body<'_>, corners: &[DVec3; 3]) -> Outline {
         normals: normal.into_iter().flat_map(|n| [n, -n]).collect(),
         is_solid: false,
     }
-}
-
-/// A unit vector of any vector but 0, however short.
-fn unit(v: DVec3) -> Option<DVec3> {
-    let largest = v.abs().max_element();
-    (largest > 0.0).then(|| (v / largest).normalize())
 }
