@@ -6,7 +6,7 @@ use collision::{
     DVec3,
     accuracy::{Accuracy, Tier},
     math::Pose,
-    narrow::Ray,
+    narrow::{InitialTouch, Ray},
     shape::Geometry,
     world::{Distance, Filter, HitMode, Overlap, Penetration, Raycast, Snapshot, Subject, Tick, TimeOfImpact},
 };
@@ -201,7 +201,11 @@ pub(crate) fn time_of_impact(
         displacement,
         against,
         against_displacement,
-        ignore_initial: sent.ignore_initial,
+        initial: if sent.ignore_initial {
+            InitialTouch::IsIgnored
+        } else {
+            InitialTouch::Counts
+        },
         mode: hit_mode(sent.mode, sent.max_hits)?,
     })
 }

@@ -140,23 +140,38 @@ pub fn penetration(
     }
 }
 
-/// The first touch of `a`, going from `a.pose.position` by `displacement_a`, and `b`, going by `displacement_b`, both
-/// without turning. `None` is a proof that the way is free. With `ignore_initial`, what touches at the start is passed
-/// over until it is clear.
+/// How two geometries move over the time from 0 to 1, each from its pose in a straight line and without turning.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// How far `a` goes, metres.
+    pub displacement_a: DVec3,
+    /// How far `b` goes, metres.
+    pub displacement_b: DVec3,
+    /// What becomes of a touch at the start.
+    pub initial: InitialTouch,
+}
+
+/// What becomes of pieces that touch at the start of a motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InitialTouch {
+    /// It is the first touch, at time 0.
+    #[default]
+    Counts,
+    /// It is passed over until they are clear of each other, which convex pieces then stay.
+    IsIgnored,
+}
+
+/// The first touch of `a` and `b` in motion; `None` is a proof that the way is free.
 pub fn linear_impact(
     a: Placed<'_>,
-    displacement_a: DVec3,
     b: Placed<'_>,
-    displacement_b: DVec3,
-    ignore_initial: bool,
+    motion: &Motion,
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
     match (a.as_convex(), b.as_convex()) {
-        (Some(a), Some(b)) => {
-            convex::linear_impact(a, displacement_a, b, displacement_b, ignore_initial, accuracy, work)
-        }
-        _ => pieces::linear_impact(a, displacement_a, b, displacement_b, ignore_initial, accuracy, work),
+        (Some(a), Some(b)) => convex::linear_impact(a, b, motion, accuracy, work),
+        _ => pieces::linear_impact(a, b, motion, accuracy, work),
     }
 }
 

@@ -13,7 +13,7 @@ use crate::{
     answer::{Certificate, Verdict},
     broad::Path,
     math::Aabb,
-    narrow::{self, ImpactTouch},
+    narrow::{self, ImpactTouch, InitialTouch, Motion},
     tolerance,
 };
 
@@ -28,8 +28,8 @@ pub struct TimeOfImpact {
     pub against: Option<Subject>,
     /// How `against` moves in the same time, metres.
     pub against_displacement: DVec3,
-    /// Pass over what is touched at the start and not yet clear of.
-    pub ignore_initial: bool,
+    /// What becomes of what is touched at the start.
+    pub initial: InitialTouch,
     /// Which hits to return.
     pub mode: HitMode,
 }
@@ -75,15 +75,12 @@ impl TimeOfImpact {
     fn ask(&self, subject: &Side<'_>, other: &Side<'_>, accuracy: &Accuracy, meter: &mut Meter<'_>) -> Option<Impact> {
         let path = sweep(subject.bounds, self.displacement, self.displacement_of_others());
         let least = path.entry(&other.bounds, 1.0)?;
-        let mut touch = narrow::linear_impact(
-            subject.placed,
-            self.displacement,
-            other.placed,
-            self.displacement_of_others(),
-            self.ignore_initial,
-            accuracy,
-            &mut meter.work,
-        )?;
+        let motion = Motion {
+            displacement_a: self.displacement,
+            displacement_b: self.displacement_of_others(),
+            initial: self.initial,
+        };
+        let mut touch = narrow::linear_impact(subject.placed, other.placed, &motion, accuracy, &mut meter.work)?;
         raise(&mut touch.fraction, &mut touch.certificate, least);
         Some(Impact {
             id: other.id(),

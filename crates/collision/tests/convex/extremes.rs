@@ -6,7 +6,7 @@ use collision::{
     accuracy::{Accuracy, Tier},
     answer::{Verdict, Work},
     math::Pose,
-    narrow::{self, Contact},
+    narrow::{self, Contact, InitialTouch, Motion},
     shape::Geometry,
 };
 
@@ -49,16 +49,12 @@ fn a_ball_dropped_on_a_wide_slab_lands_in_time() {
             pose: Pose::IDENTITY,
         };
         let ball = ball(0.5, DVec3::new(0.3 * half, 11.5, -0.7 * half));
-        let way = DVec3::new(0.0, -20.0, 0.0);
-        let touch = narrow::linear_impact(
-            ball.placed(),
-            way,
-            slab.placed(),
-            DVec3::ZERO,
-            false,
-            &EXACT,
-            &mut Work::default(),
-        );
+        let motion = Motion {
+            displacement_a: DVec3::new(0.0, -20.0, 0.0),
+            displacement_b: DVec3::ZERO,
+            initial: InitialTouch::Counts,
+        };
+        let touch = narrow::linear_impact(ball.placed(), slab.placed(), &motion, &EXACT, &mut Work::default());
         let fraction = touch.expect("it lands").fraction;
         assert!((fraction - 0.5).abs() * 20.0 < 1e-14 * half, "{fraction}");
     }

@@ -17,22 +17,20 @@ use super::{PlacedConvex, frame::Pair, gjk, order, separation};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
-    narrow::ImpactTouch,
+    narrow::{ImpactTouch, InitialTouch, Motion},
     tolerance::PAIR_ROUNDING,
 };
 
-/// The first touch of `a`, going by `displacement_a`, and `b`, going by `displacement_b` (metres, world axes). `None` is a
-/// proof that the way is free, or with `ignore_initial` that nothing is touched after the start.
+/// The first touch of `a` and `b` in motion; `None` is a proof that the way is free, or that it is so after an initial
+/// touch that is ignored.
 pub(crate) fn linear_impact(
     a: PlacedConvex<'_>,
-    displacement_a: DVec3,
     b: PlacedConvex<'_>,
-    displacement_b: DVec3,
-    ignore_initial: bool,
+    motion: &Motion,
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
-    let relative = displacement_a - displacement_b;
+    let relative = motion.displacement_a - motion.displacement_b;
     let is_swapped = order::is_swapped(a, b);
     let (first, second, way) = if is_swapped {
         (b, a, -relative)
@@ -40,16 +38,20 @@ pub(crate) fn linear_impact(
         (a, b, relative)
     };
     let pair = Pair::new(first, second, relative.length());
-    let mut motion = Motion::new(pair, way, accuracy.budget);
-    let outcome = motion.first_touch(ignore_initial);
+    let mut search = Search::new(pair, way, accuracy.budget);
+    let outcome = search.first_touch(motion.initial);
     work.pairs_tested += 1;
-    work.iterations += u64::from(motion.iterations);
+    work.iterations += u64::from(search.iterations);
     let touch = outcome?;
-    let normal = touch.normal.map(|normal| motion.pair.direction_out(normal));
-    let first_displacement = if is_swapped { displacement_b } else { displacement_a };
+    let normal = touch.normal.map(|normal| search.pair.direction_out(normal));
+    let first_displacement = if is_swapped {
+        motion.displacement_b
+    } else {
+        motion.displacement_a
+    };
     Some(ImpactTouch {
         fraction: touch.fraction,
-        point: motion.pair.point_out(touch.point) + first_displacement * touch.fraction,
+        point: search.pair.point_out(touch.point) + first_displacement * touch.fraction,
         normal_b_to_a: normal.map(|normal| if is_swapped { DVec3::ZERO - normal } else { normal }),
         initial: touch.is_initial,
         feature_b: Feature::default(),
@@ -58,13 +60,13 @@ pub(crate) fn linear_impact(
             bound: touch.bound,
             method: Method::Advancement,
             stop: touch.stop,
-            iterations: motion.iterations,
+            iterations: search.iterations,
         },
     })
 }
 
 /// A pair in motion: `a` stands, `b` goes by `-way` over the time from 0 to 1.
-struct Motion<'a> {
+struct Search<'a> {
     pair: Pair<'a>,
     start: DVec3,
     way: DVec3,
@@ -93,7 +95,7 @@ enum Step {
     Closed(Stop),
 }
 
-impl<'a> Motion<'a> {
+impl<'a> Search<'a> {
     fn new(pair: Pair<'a>, way: DVec3, budget: u32) -> Self {
         let start = pair.b.position;
         let way = pair.displacement_in(way);
@@ -110,7 +112,7 @@ impl<'a> Motion<'a> {
         self.pair.b.position = self.start - self.way * time;
     }
 
-    fn first_touch(&mut self, ignore_initial: bool) -> Option<Touch> {
+    fn first_touch(&mut self, initial: InitialTouch) -> Option<Touch> {
         let mut time = 0.0;
         let mut normal = None;
         loop {
@@ -124,7 +126,7 @@ impl<'a> Motion<'a> {
                 Step::Free => return None,
                 Step::FreeUntil(next) if next > 1.0 => return None,
                 Step::FreeUntil(next) => time = next,
-                Step::Closed(_) if time == 0.0 && ignore_initial => return None,
+                Step::Closed(_) if time == 0.0 && initial == InitialTouch::IsIgnored => return None,
                 Step::Closed(stop) => return Some(self.prove_touch(time, &gap, normal, stop)),
             }
         }

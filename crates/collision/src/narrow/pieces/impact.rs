@@ -12,47 +12,38 @@ use crate::{
     broad::{Path, Tree},
     math::Aabb,
     narrow::{
-        ImpactTouch, Placed,
+        ImpactTouch, Motion, Placed,
         convex::{self, PlacedConvex},
     },
 };
 
-/// How a pair moves.
+/// What is asked of each pair of pieces.
 #[derive(Clone, Copy)]
-struct Motion<'a> {
-    displacement_a: DVec3,
-    displacement_b: DVec3,
-    ignore_initial: bool,
+struct Ask<'a> {
+    motion: &'a Motion,
     accuracy: &'a Accuracy,
 }
 
-/// The first touch of `a` and `b`, one of them a mesh; `None` is a proof that the way is free. With `ignore_initial` each
-/// triangle that is touched at the start is passed over.
+/// The first touch of `a` and `b`, one of them a mesh; `None` is a proof that the way is free. An initial touch that is
+/// ignored is so triangle by triangle.
 pub(in crate::narrow) fn linear_impact(
     a: Placed<'_>,
-    displacement_a: DVec3,
     b: Placed<'_>,
-    displacement_b: DVec3,
-    ignore_initial: bool,
+    motion: &Motion,
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
-    let motion = Motion {
-        displacement_a,
-        displacement_b,
-        ignore_initial,
-        accuracy,
-    };
-    let relative = displacement_a - displacement_b;
+    let ask = Ask { motion, accuracy };
+    let relative = motion.displacement_a - motion.displacement_b;
     let mut first = First::default();
     match (Side::of(a), Side::of(b)) {
-        (Side::Convex(a), Side::Convex(b)) => first.offer(motion.touch(a, b, None, work)),
-        (Side::Convex(a), Side::Surface(b)) => first.search(a, &b, &motion, work),
+        (Side::Convex(a), Side::Convex(b)) => first.offer(ask.touch(a, b, None, work)),
+        (Side::Convex(a), Side::Surface(b)) => first.search(a, &b, &ask, work),
         (Side::Surface(a), Side::Convex(b)) => {
             let swept = a.box_of(b);
             along(&a, swept, -relative, first.limit, work, |work, triangle| {
                 let piece = a.piece(triangle);
-                first.offer(motion.touch(a.placed(&piece), b, None, work));
+                first.offer(ask.touch(a.placed(&piece), b, None, work));
                 first.limit
             });
         }
@@ -60,7 +51,7 @@ pub(in crate::narrow) fn linear_impact(
             let swept = a.box_of_surface(&b);
             along(&a, swept, -relative, first.limit, work, |work, triangle| {
                 let piece = a.piece(triangle);
-                first.search(a.placed(&piece), &b, &motion, work);
+                first.search(a.placed(&piece), &b, &ask, work);
                 first.limit
             });
         }
@@ -68,7 +59,7 @@ pub(in crate::narrow) fn linear_impact(
     first.merged()
 }
 
-impl Motion<'_> {
+impl Ask<'_> {
     fn touch(
         &self,
         a: PlacedConvex<'_>,
@@ -76,15 +67,7 @@ impl Motion<'_> {
         face_b: Option<u32>,
         work: &mut Work,
     ) -> Option<ImpactTouch> {
-        let mut touch = convex::linear_impact(
-            a,
-            self.displacement_a,
-            b,
-            self.displacement_b,
-            self.ignore_initial,
-            self.accuracy,
-            work,
-        )?;
+        let mut touch = convex::linear_impact(a, b, self.motion, self.accuracy, work)?;
         touch.feature_b.face = face_b;
         Some(touch)
     }
@@ -138,11 +121,11 @@ impl Default for First {
 }
 
 impl First {
-    fn search(&mut self, a: PlacedConvex<'_>, b: &Surface<'_>, motion: &Motion<'_>, work: &mut Work) {
-        let relative = motion.displacement_a - motion.displacement_b;
+    fn search(&mut self, a: PlacedConvex<'_>, b: &Surface<'_>, ask: &Ask<'_>, work: &mut Work) {
+        let relative = ask.motion.displacement_a - ask.motion.displacement_b;
         along(b, b.box_of(a), relative, self.limit, work, |work, triangle| {
             let piece = b.piece(triangle);
-            self.offer(motion.touch(a, b.placed(&piece), b.face(triangle), work));
+            self.offer(ask.touch(a, b.placed(&piece), b.face(triangle), work));
             self.limit
         });
     }

@@ -15,7 +15,7 @@ use crate::{
     answer::{Bound, Method, Verdict, Work},
     math::Pose,
     narrow::{
-        ImpactTouch,
+        ImpactTouch, InitialTouch, Motion,
         convex::{self, PlacedConvex},
     },
     shape::{Convex, Core},
@@ -130,6 +130,11 @@ impl Caster<'_> {
             convex: &body,
             pose: self.pose,
         };
-        convex::linear_impact(point, motion, body, DVec3::ZERO, false, self.accuracy, work)
+        let motion = Motion {
+            displacement_a: motion,
+            displacement_b: DVec3::ZERO,
+            initial: InitialTouch::Counts,
+        };
+        convex::linear_impact(point, body, &motion, self.accuracy, work)
     }
 }
