@@ -177,7 +177,7 @@ fn a_sensor_blocks_nothing_unless_it_is_named() {
             displacement: DVec3::X * 10.0,
             against,
             against_displacement,
-            ignore_initial: false,
+            initial: collision::narrow::InitialTouch::Counts,
             mode: HitMode::Closest,
         };
         let found = snapshot.time_of_impact(&question, &Filter::default(), &Accuracy::default(), meter);

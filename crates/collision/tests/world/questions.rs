@@ -91,15 +91,12 @@ impl<'a> Brute<'a> {
         let (subject, asker) = self.subject(&question.subject);
         let (mut certain, mut undecided) = (Vec::new(), Vec::new());
         for shape in self.seen_by(asker).into_iter().filter(|shape| !shape.sensor) {
-            let touch = narrow::linear_impact(
-                subject,
-                question.displacement,
-                placed(shape),
-                question.against_displacement,
-                question.ignore_initial,
-                &ACCURACY,
-                &mut self.work,
-            );
+            let motion = narrow::Motion {
+                displacement_a: question.displacement,
+                displacement_b: question.against_displacement,
+                initial: question.initial,
+            };
+            let touch = narrow::linear_impact(subject, placed(shape), &motion, &ACCURACY, &mut self.work);
             let Some(touch) = touch else {
                 continue;
             };

@@ -6,7 +6,7 @@ use collision::{
     DQuat, DVec3,
     accuracy::Accuracy,
     math::Pose,
-    narrow::Ray,
+    narrow::{InitialTouch, Ray},
     shape::Geometry,
     world::{
         Distance, Edit, EditRule, Filter, HitMode, Meter, Mobility, Overlap, Penetration, Raycast, Shape, ShapeId,
@@ -201,7 +201,11 @@ pub(crate) fn random_questions(random: &mut Random, shape_count: u64) -> [Questi
             displacement: random.vector() * 8.0,
             against: None,
             against_displacement: DVec3::ZERO,
-            ignore_initial: random.unit() < 0.3,
+            initial: if random.unit() < 0.3 {
+                InitialTouch::IsIgnored
+            } else {
+                InitialTouch::Counts
+            },
             mode: random_mode(random),
         }),
         Question::Distance(Distance {
