@@ -4,6 +4,7 @@
 //! filled), rays are 10 m long. Client and server share this machine's cores, so the figures are those of both.
 
 use std::error::Error;
+use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::io::{Write, stdout};
 use std::time::{Duration, Instant};
@@ -21,6 +22,8 @@ const RAY_LENGTH: f64 = 10.0;
 const BATCH: usize = 1024;
 /// Moves of a message of the edit stream, which is one tick.
 const MOVES: u64 = 1000;
+/// Volume of a sphere of radius 1.
+const SPHERE: f64 = 2.0 * TAU / 3.0;
 /// How long each figure is measured, after a tenth of it to warm up.
 const MEASURED: Duration = Duration::from_secs(4);
 
@@ -96,14 +99,14 @@ async fn fill(client: &Client, dice: &mut Dice) -> Result<f64, Failure> {
             }
             2 => {
                 let radius = half(dice);
-                (shape::sphere(id, radius), 4.19 * radius.powi(3))
+                (shape::sphere(id, radius), SPHERE * radius.powi(3))
             }
             _ => {
                 let radius = 0.5 * half(dice);
                 let half_height = half(dice) - 0.09;
                 (
                     shape::capsule(id, half_height, radius),
-                    (6.28 * half_height + 4.19 * radius) * radius.powi(2),
+                    (TAU * half_height + SPHERE * radius) * radius.powi(2),
                 )
             }
         };

@@ -28,7 +28,7 @@ pub(crate) struct Raycast {
     #[arg(long)]
     all: bool,
     /// How far it goes, in metres
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     max: Option<f64>,
     /// The answer as one JSON object
     #[arg(long)]

@@ -34,7 +34,7 @@ pub(crate) struct Load {
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
     at: Triple,
     /// Factor on the mesh, for files in centimetres and the like
-    #[arg(long, value_name = "FACTOR")]
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
     scale: Option<f64>,
     /// Only registers the geometry, and makes no shape of it
     #[arg(long)]

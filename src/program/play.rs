@@ -34,7 +34,7 @@ pub(crate) struct Play {
     #[arg(long = "kind", value_name = "NAME=FORM", required = true)]
     kinds: Vec<Kind>,
     /// Times real time, or "max" for as fast as the server takes it
-    #[arg(long, value_name = "FACTOR|max", default_value = "1")]
+    #[arg(long, value_name = "FACTOR|max", default_value = "1", allow_hyphen_values = true)]
     speed: Speed,
     /// Begins again at the end, until interrupted
     #[arg(long = "loop")]

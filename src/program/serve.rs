@@ -40,10 +40,14 @@ impl Serve {
         } else {
             None
         };
-        writeln!(out, "calipers {} listens on {address}", env!("CARGO_PKG_VERSION"))?;
-        match &show {
-            Some(show) => writeln!(out, "{}", show.about(reachable(address)))?,
-            None => writeln!(out, "{}", first_steps(reachable(address), &settings))?,
+        let told = match &show {
+            Some(show) => show.about(reachable(address)),
+            None => first_steps(reachable(address), &settings),
+        };
+        let version = env!("CARGO_PKG_VERSION");
+        if let Err(error) = writeln!(out, "calipers {version} listens on {address}\n{told}") {
+            // A server serves on, whether or not somebody reads this.
+            tracing::warn!(%error, "standard output cannot be written to");
         }
         tokio::select! {
             () = stops.next() => {}

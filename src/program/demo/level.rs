@@ -9,6 +9,7 @@ use calipers_client::{Client, Error, geometry, proto, shape};
 
 use super::Dice;
 use super::floor_plan::{FloorPlan, Heading, ROOM, Room};
+use super::ground::Slopes;
 
 /// What the ids mean, for people.
 pub(super) const ABOUT: &str = "\
@@ -43,10 +44,7 @@ const WALL_HALF_THICKNESS: f64 = 0.1;
 const DOORWAY_WIDTH: f64 = 2.0;
 const DOORWAY_HEIGHT: f64 = 2.2;
 /// Half of the floor in x and z; it reaches 6 m beyond the outer walls.
-const FLOOR_HALF: [f64; 2] = [36.0, 26.0];
-/// Half of the ground in x and z, and the width of its cells.
-const GROUND_HALF: [f64; 2] = [90.0, 70.0];
-const GROUND_CELL: f64 = 2.0;
+pub(super) const FLOOR_HALF: [f64; 2] = [36.0, 26.0];
 /// From a room's middle to the middle of a quarter, along x and along z.
 const QUARTER: f64 = 3.0;
 /// Rocks on the ground outside.
@@ -132,7 +130,9 @@ impl Site {
             if is_outer || matches!(heading, Heading::East | Heading::South) {
                 // Two gates, at the ends of the second row.
                 let is_gate = is_outer && room.row == 1 && matches!(heading, Heading::East | Heading::West);
-                let wall = if is_gate || plan.is_open(room, heading) {
+                let wall = if is_gate {
+                    Wall::Gate
+                } else if plan.is_open(room, heading) {
                     Wall::Doorway
                 } else {
                     Wall::Closed
@@ -162,12 +162,16 @@ impl Site {
         };
         match wall {
             Wall::Closed => piece(0.0, 0.5 * ROOM, 0.0, WALL_HEIGHT),
-            Wall::Doorway => {
+            Wall::Doorway | Wall::Gate => {
                 let half_length = 0.25 * (ROOM - DOORWAY_WIDTH);
                 let shift = 0.5 * DOORWAY_WIDTH + half_length;
                 piece(-shift, half_length, 0.0, WALL_HEIGHT);
                 piece(shift, half_length, 0.0, WALL_HEIGHT);
                 piece(0.0, 0.5 * DOORWAY_WIDTH, DOORWAY_HEIGHT, WALL_HEIGHT);
+                if let Wall::Gate = wall {
+                    // Shut, so that no ball is lost to the open country.
+                    piece(0.0, 0.5 * DOORWAY_WIDTH, 0.0, DOORWAY_HEIGHT);
+                }
             }
         }
     }
@@ -244,7 +248,10 @@ impl Site {
         for _ in 0..ROCK_COUNT {
             let turn = dice.between(0.0, TAU);
             let out = dice.between(1.3, 1.9);
-            let [x, z] = [FLOOR_HALF[0] * out * turn.cos(), FLOOR_HALF[1] * out * turn.sin()];
+            let [east, south] = [turn.cos(), turn.sin()];
+            // A ring in the form of the floor, so that its corners stay free as well.
+            let out = out / east.abs().max(south.abs());
+            let [x, z] = [FLOOR_HALF[0] * out * east, FLOOR_HALF[1] * out * south];
             let mut rock = geometry::registered(self.forms.rocks[dice.below(self.forms.rocks.len())].as_str());
             rock.scale = Some(dice.between(0.6, 2.5));
             self.put(
@@ -262,6 +269,8 @@ impl Site {
 enum Wall {
     Closed,
     Doorway,
+    /// A doorway with its door shut.
+    Gate,
 }
 
 /// No rotation.
@@ -300,57 +309,10 @@ fn rock(dice: &mut Dice) -> proto::Geometry {
     geometry::hull(points.collect::<Vec<_>>())
 }
 
-/// The heights of the ground: waves that grow with the distance from the floor.
-struct Slopes {
-    phases: [f64; 6],
-}
-
-impl Slopes {
-    fn new(dice: &mut Dice) -> Self {
-        Self {
-            phases: std::array::from_fn(|_| dice.between(0.0, TAU)),
-        }
-    }
-
-    /// Below the floor the ground is 0.6 m down; outside it rises and falls by 3 m at most.
-    fn height(&self, x: f64, z: f64) -> f64 {
-        let outside = (x.abs() - FLOOR_HALF[0]).max(z.abs() - FLOOR_HALF[1]);
-        let share = ((outside - 1.0) / 10.0).clamp(0.0, 1.0);
-        let [a, b, c, d, e, f] = self.phases;
-        let waves = 1.6 * (0.08 * x + a).sin() * (0.07 * z + b).cos()
-            + 0.8 * (0.21 * x + 0.13 * z + c).sin()
-            + 0.4 * (0.33 * z - 0.41 * x + d).sin()
-            + 0.2 * (0.9 * x + e).sin() * (0.8 * z + f).sin();
-        share * waves - 0.6 * (1.0 - share)
-    }
-
-    fn mesh(&self) -> proto::Geometry {
-        let cell_count = GROUND_HALF.map(|half| (2.0 * half / GROUND_CELL).round() as u32);
-        let along = |index: u32, axis: usize| f64::from(index) * GROUND_CELL - GROUND_HALF[axis];
-        let vertices = (0..=cell_count[1]).flat_map(|row| {
-            (0..=cell_count[0]).map(move |column| {
-                let [x, z] = [along(column, 0), along(row, 1)];
-                [x, self.height(x, z), z].map(|component| component as f32)
-            })
-        });
-        let stride = cell_count[0] + 1;
-        let triangles = (0..cell_count[1]).flat_map(|row| {
-            (0..cell_count[0]).flat_map(move |column| {
-                let corner = row * stride + column;
-                // Counter-clockwise seen from above, so that the upper side is the outer one.
-                [
-                    [corner, corner + stride, corner + 1],
-                    [corner + 1, corner + stride, corner + stride + 1],
-                ]
-            })
-        });
-        geometry::mesh(vertices, triangles)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::floor_plan::{COLUMNS, ROWS};
+    use super::super::ground::GROUND_HALF;
     use super::*;
 
     #[test]
@@ -358,35 +320,5 @@ mod tests {
         assert_eq!([COLUMNS as f64 * ROOM, ROWS as f64 * ROOM], [60.0, 40.0]);
         assert_eq!(GROUND_HALF.map(|half| 2.0 * half), [180.0, 140.0]);
         assert!(ABOUT.contains("60 x 40 m") && ABOUT.contains("180 x 140 m"));
-    }
-
-    #[test]
-    fn the_ground_stays_below_the_floor_and_within_its_heights() {
-        for seed in 0..5 {
-            let slopes = Slopes::new(&mut Dice::new(seed));
-            for x in -90..=90 {
-                for z in -70..=70 {
-                    let (x, z) = (f64::from(x), f64::from(z));
-                    let height = slopes.height(x, z);
-                    let is_below_floor = x.abs() <= FLOOR_HALF[0] && z.abs() <= FLOOR_HALF[1];
-                    assert!(
-                        height.abs() <= 3.0 && (!is_below_floor || height < -0.5),
-                        "{height} at {x}, {z}"
-                    );
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_mesh_names_only_vertices_that_it_has() {
-        let Some(proto::geometry::Kind::Mesh(mesh)) = Slopes::new(&mut Dice::new(1)).mesh().kind else {
-            panic!("the ground is a mesh");
-        };
-        assert_eq!(
-            (mesh.vertices.len() / 3, mesh.indices.len() / 3),
-            (91 * 71, 2 * 90 * 70)
-        );
-        assert_eq!(mesh.indices.iter().max().copied(), Some(91 * 71 - 1));
     }
 }

@@ -9,6 +9,7 @@
 mod balls;
 mod dice;
 mod floor_plan;
+mod ground;
 mod level;
 mod movers;
 mod walker;

@@ -1,0 +1,9 @@
+//! The program as people use it: the built binary, its output, its exit codes.
+
+mod arguments;
+mod binary;
+mod demo;
+mod load;
+mod play;
+mod resume;
+mod stop;
