@@ -136,8 +136,12 @@ fn answer(cache: &mut GeometryCache, question: &Question) -> Reply {
                 return Err("the crate has no question for motions that turn".to_owned());
             }
             with_pair(cache, a, b, |a, b| {
-                let (way_a, way_b) = (motion_a.displacement, motion_b.displacement);
-                let touch = narrow::linear_impact(a, way_a, b, way_b, false, &ACCURACY, &mut work);
+                let motion = narrow::Motion {
+                    displacement_a: motion_a.displacement,
+                    displacement_b: motion_b.displacement,
+                    initial: narrow::InitialTouch::Counts,
+                };
+                let touch = narrow::linear_impact(a, b, &motion, &ACCURACY, &mut work);
                 let hits: Vec<ImpactAnswer> = touch.iter().map(impact).collect();
                 Ok(Answer::Impact(
                     found_verdict(hits.iter().map(|hit| hit.claim.verdict)),
