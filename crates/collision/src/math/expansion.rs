@@ -84,12 +84,6 @@ impl Expansion {
     pub fn estimate(&self) -> f64 {
         self.terms.iter().sum()
     }
-
-    /// Whether products of four such numbers stay exact: each term is 0 or of a size between 1e-60 and 1e60.
-    #[must_use]
-    pub fn is_in_range(&self) -> bool {
-        self.terms.iter().all(|term| (1e-60..=1e60).contains(&term.abs()))
-    }
 }
 
 /// A vector of exact numbers.
@@ -135,11 +129,27 @@ impl ExactVector {
         self.0.iter().all(|component| component.sign() == Ordering::Equal)
     }
 
-    /// Whether products of four such components stay exact.
+    /// Whether products of four such components stay exact: each part is of a size between 1e-60 and 1e60.
     #[must_use]
     pub fn is_in_range(&self) -> bool {
-        self.0.iter().all(Expansion::is_in_range)
+        self.0
+            .iter()
+            .flat_map(|component| &component.terms)
+            .all(|&term| is_size(term))
     }
+}
+
+/// Whether products of four such components stay exact: each is 0 or of a size between 1e-60 and 1e60.
+#[must_use]
+pub fn is_in_range(vector: DVec3) -> bool {
+    vector
+        .to_array()
+        .into_iter()
+        .all(|value| value == 0.0 || is_size(value))
+}
+
+fn is_size(value: f64) -> bool {
+    (1e-60..=1e60).contains(&value.abs())
 }
 
 #[cfg(test)]

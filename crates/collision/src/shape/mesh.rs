@@ -104,7 +104,12 @@ impl Mesh {
     /// The corners of a kept triangle, in the order sent.
     #[must_use]
     pub fn corners(&self, index: usize) -> [DVec3; 3] {
-        self.triangles[index].map(|vertex| self.vertices[vertex as usize])
+        let [a, b, c] = self.triangles[index];
+        [
+            self.vertices[a as usize],
+            self.vertices[b as usize],
+            self.vertices[c as usize],
+        ]
     }
 
     /// The number a kept triangle was sent with.

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::Ray;
 use crate::{
-    math::{Pose, exact::two_sum, expansion::ExactVector},
+    math::{Pose, exact::two_sum, expansion},
     shape::Geometry,
     tolerance,
 };
@@ -152,8 +152,7 @@ impl LocalRay {
 
 impl ExactRay {
     fn is_in_range(&self) -> bool {
-        let parts = |v: DVec3| ExactVector::difference(v, DVec3::ZERO).is_in_range();
-        parts(self.origin) && parts(self.direction)
+        expansion::is_in_range(self.origin) && expansion::is_in_range(self.direction)
     }
 }
 

@@ -128,9 +128,9 @@ impl<'a> Sight<'a> {
         self.whole_view(corners, self.edges(corners))
     }
 
-    fn edges(&self, corners: [DVec3; 3]) -> [Sign; 3] {
-        let sheared = corners.map(|corner| self.sheared(corner));
-        [0, 1, 2].map(|k| self.side(sheared[k], sheared[(k + 1) % 3]))
+    fn edges(&self, [a, b, c]: [DVec3; 3]) -> [Sign; 3] {
+        let (a, b, c) = (self.sheared(a), self.sheared(b), self.sheared(c));
+        [self.side(a, b), self.side(b, c), self.side(c, a)]
     }
 
     fn whole_view(&self, corners: [DVec3; 3], mut edges: [Sign; 3]) -> View {
@@ -145,6 +145,7 @@ impl<'a> Sight<'a> {
         View { edges, facing }
     }
 
+    #[inline]
     fn sheared(&self, corner: DVec3) -> DVec2 {
         let relative = (corner - self.center) - self.ray.foot;
         let [x, y, z] = self.axes;
@@ -153,6 +154,7 @@ impl<'a> Sight<'a> {
 
     /// Twice the area between the ray and a side. Its error: corners are off by `error`, and two products and a
     /// difference round four times.
+    #[inline]
     fn side(&self, a: DVec2, b: DVec2) -> Sign {
         let (left, right) = (a.x * b.y, a.y * b.x);
         let spread = a.x.abs() + a.y.abs() + b.x.abs() + b.y.abs() + 2.0 * self.error;
@@ -180,12 +182,14 @@ impl<'a> Sight<'a> {
     /// stretch where its corners lie.
     pub(super) fn meeting(&self, corners: [DVec3; 3]) -> Meeting {
         let ray = self.ray;
-        let relative = corners.map(|corner| (corner - self.center) - ray.foot);
-        let along = relative.map(|corner| corner.dot(ray.direction));
-        let range = Bound::new(
-            along[0].min(along[1]).min(along[2]) - 2.0 * ray.error,
-            along[0].max(along[1]).max(along[2]) + 2.0 * ray.error,
+        let relative = |corner: DVec3| (corner - self.center) - ray.foot;
+        let first = relative(corners[0]);
+        let (a, b, c) = (
+            first.dot(ray.direction),
+            relative(corners[1]).dot(ray.direction),
+            relative(corners[2]).dot(ray.direction),
         );
+        let range = Bound::new(a.min(b).min(c) - 2.0 * ray.error, a.max(b).max(c) + 2.0 * ray.error);
         let (normal, normal_error) = normal(corners);
         let speed = normal.dot(ray.direction);
         let speed_error = self.speed_error(normal, normal_error);
@@ -193,10 +197,9 @@ impl<'a> Sight<'a> {
         let mut bound = range;
         let mut best = 0.5 * range.lower + 0.5 * range.upper;
         if spare > 0.0 {
-            best = normal.dot(relative[0]) / speed;
+            best = normal.dot(first) / speed;
             let error =
-                (normal.length() * ray.error + 2.0 * normal_error * relative[0].length() + best.abs() * speed_error)
-                    / spare;
+                (normal.length() * ray.error + 2.0 * normal_error * first.length() + best.abs() * speed_error) / spare;
             bound = Bound::new((best - error).max(range.lower), (best + error).min(range.upper));
         }
         let is_wide = spare <= 0.0 || bound.width() > tolerance::RAY_GRAZING * ray.error;

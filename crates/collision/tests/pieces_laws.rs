@@ -1,0 +1,257 @@
+//! Laws of meshes in pairs: questions agree with each other, swapping swaps, and a mesh answers as its triangles do.
+
+mod whole;
+
+use collision::{
+    DQuat, DVec3,
+    accuracy::{Accuracy, Tier},
+    answer::{Certificate, Verdict, Work},
+    math::Pose,
+    narrow::{
+        ImpactTouch, InitialTouch, Motion, NeedsDecomposition, Placed, distance, linear_impact, overlap, penetration,
+    },
+    shape::Geometry,
+};
+use glam::Vec3Swizzles as _;
+use whole::Numbers;
+
+const EXACT: Accuracy = Accuracy::of(Tier::Exact);
+
+fn at(geometry: &Geometry, pose: Pose) -> Placed<'_> {
+    Placed { geometry, pose }
+}
+
+/// From −1 to 1.
+fn share(numbers: &mut Numbers) -> f64 {
+    numbers.within(1 << 40) as f64 / (1_u64 << 40) as f64
+}
+
+fn vector(numbers: &mut Numbers) -> DVec3 {
+    DVec3::new(share(numbers), share(numbers), share(numbers))
+}
+
+fn pose(numbers: &mut Numbers, far: f64) -> Pose {
+    let [x, y, z, w] = [0; 4].map(|_| share(numbers));
+    Pose::new(vector(numbers) * far, DQuat::from_xyzw(x, y, z, w))
+}
+
+/// A soup of triangles within the unit cube, and each of them alone.
+fn soup(numbers: &mut Numbers) -> (Geometry, Vec<Geometry>) {
+    let points: Vec<DVec3> = (0..30).map(|_| vector(numbers)).collect();
+    let triangles: Vec<[u32; 3]> = (0..20).map(|first| [first, first + 3, first + 10]).collect();
+    let alone = triangles.iter().map(|&triangle| {
+        let corners = triangle.map(|vertex| points[vertex as usize]);
+        Geometry::mesh(&corners, &[[0, 1, 2]]).expect("a triangle")
+    });
+    (Geometry::mesh(&points, &triangles).expect("a soup"), alone.collect())
+}
+
+fn convex(numbers: &mut Numbers) -> Geometry {
+    let half = (vector(numbers) * 0.3).abs() + 0.01;
+    let form = match numbers.below(5) {
+        0 => Geometry::sphere(half.x),
+        1 => Geometry::capsule(half.x, half.y),
+        2 => Geometry::cuboid(half),
+        3 => Geometry::cuboid(half).and_then(|form| form.rounded(0.1)),
+        _ => Geometry::hull(&[half, -half, half.zxy(), -half.yzx(), DVec3::new(0.2, -half.x, half.y)]),
+    };
+    form.expect("a form")
+}
+
+fn work() -> Work {
+    Work::default()
+}
+
+#[test]
+fn questions_about_a_form_and_a_mesh_agree_with_each_other_and_with_its_triangles() {
+    let mut numbers = Numbers::new(61);
+    let (mut hits, mut misses) = (0, 0);
+    for round in 0..400 {
+        let (soup, triangles) = soup(&mut numbers);
+        let form = convex(&mut numbers);
+        let far = [1.0, 1e3, 1e6][round % 3];
+        let place = pose(&mut numbers, far);
+        let mesh = at(&soup, place);
+        let other = Pose::new(
+            place.position + vector(&mut numbers) * 1.1,
+            pose(&mut numbers, 1.0).rotation,
+        );
+        let body = at(&form, other);
+        let context = || format!("{form:?} at {other:?}, soup {round} at {place:?}");
+
+        let found = distance(body, mesh, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
+        let swapped = distance(mesh, body, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
+        assert_eq!(found.distance.to_bits(), swapped.distance.to_bits(), "{}", context());
+        assert_eq!(
+            (found.point_on_a, found.feature_b),
+            (swapped.point_on_b, swapped.feature_a),
+            "{}",
+            context()
+        );
+        assert_eq!(found.certificate, swapped.certificate, "{}", context());
+        let apart: Vec<f64> = triangles
+            .iter()
+            .map(|triangle| distance(body, at(triangle, place), f64::INFINITY, &EXACT, &mut work()).expect("no limit"))
+            .map(|found| found.distance)
+            .collect();
+        let least = apart.iter().copied().fold(f64::INFINITY, f64::min);
+        assert_eq!(found.distance, least, "{}", context());
+        let face = found.feature_b.face.expect("a face") as usize;
+        assert_eq!(apart[face], least, "{}", context());
+        assert_eq!(
+            apart.iter().position(|&distance| distance == least),
+            Some(face),
+            "{}",
+            context()
+        );
+        assert!(found.certificate.bound.contains(least), "{}", context());
+
+        let touching = overlap(body, mesh, &EXACT, &mut work());
+        assert_eq!(
+            touching.verdict,
+            overlap(mesh, body, &EXACT, &mut work()).verdict,
+            "{}",
+            context()
+        );
+        match touching.verdict {
+            Verdict::Hit => {
+                hits += 1;
+                assert_eq!(least, 0.0, "{}", context());
+            }
+            Verdict::Miss => {
+                misses += 1;
+                assert!(least > 0.0 && found.certificate.bound.lower > 0.0, "{}", context());
+                let short = distance(body, mesh, least * 0.999, &EXACT, &mut work());
+                assert!(short.is_none(), "{}", context());
+            }
+            Verdict::Undecided => assert!(least < 1e-12 * far, "{}", context()),
+        }
+
+        let gap = 0.1;
+        let contacts = penetration(body, mesh, gap, &EXACT, &mut work()).expect("one mesh");
+        let faces: Vec<u32> = contacts.iter().filter_map(|contact| contact.feature_b.face).collect();
+        let expected: Vec<u32> = (0..)
+            .zip(&apart)
+            .filter(|&(_, &apart)| apart <= gap)
+            .map(|(face, _)| face)
+            .collect();
+        assert_eq!(faces, expected, "{}", context());
+        let swapped = penetration(mesh, body, gap, &EXACT, &mut work()).expect("one mesh");
+        let faces: Vec<u32> = swapped.iter().filter_map(|contact| contact.feature_a.face).collect();
+        assert_eq!(faces, expected, "{}", context());
+    }
+    assert!(hits > 120 && misses > 120, "{hits} hits, {misses} misses");
+}
+
+#[test]
+fn two_meshes_are_as_far_apart_as_their_nearest_triangles() {
+    let mut numbers = Numbers::new(67);
+    let (mut hits, mut misses) = (0, 0);
+    for _ in 0..100 {
+        let (first, triangles) = soup(&mut numbers);
+        let (second, others) = soup(&mut numbers);
+        let (here, mut there) = (pose(&mut numbers, 10.0), pose(&mut numbers, 10.0));
+        there.position = here.position + vector(&mut numbers) * 1.6;
+        let (a, b) = (at(&first, here), at(&second, there));
+        let found = distance(a, b, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
+        let swapped = distance(b, a, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
+        assert_eq!(found.distance.to_bits(), swapped.distance.to_bits());
+        assert_eq!(
+            (found.feature_a, found.feature_b),
+            (swapped.feature_b, swapped.feature_a)
+        );
+        let pairs = triangles
+            .iter()
+            .flat_map(|one| others.iter().map(move |other| (one, other)));
+        let least = pairs
+            .map(|(one, other)| {
+                distance(at(one, here), at(other, there), f64::INFINITY, &EXACT, &mut work())
+                    .expect("no limit")
+                    .distance
+            })
+            .fold(f64::INFINITY, f64::min);
+        assert!(
+            (found.distance - least).abs() <= 1e-14,
+            "{} is not {least}",
+            found.distance
+        );
+        let verdict = overlap(a, b, &EXACT, &mut work()).verdict;
+        assert_eq!(verdict, overlap(b, a, &EXACT, &mut work()).verdict);
+        hits += u32::from(verdict == Verdict::Hit && least == 0.0);
+        misses += u32::from(verdict == Verdict::Miss && least > 0.0);
+        assert_eq!(
+            penetration(a, b, 0.0, &EXACT, &mut work()).err(),
+            Some(NeedsDecomposition)
+        );
+    }
+    assert!(
+        hits + misses == 100 && hits > 30 && misses > 30,
+        "{hits} hits, {misses} misses"
+    );
+}
+
+fn motion(displacement_a: DVec3, displacement_b: DVec3, initial: InitialTouch) -> Motion {
+    Motion {
+        displacement_a,
+        displacement_b,
+        initial,
+    }
+}
+
+fn is_before(touch: &Option<ImpactTouch>, certificate: &Certificate) -> bool {
+    touch
+        .as_ref()
+        .is_some_and(|touch| touch.certificate.bound.lower <= certificate.bound.upper)
+}
+
+#[test]
+fn the_first_touch_of_a_mesh_is_that_of_its_first_triangle() {
+    let mut numbers = Numbers::new(71);
+    let mut hits = 0;
+    for round in 0..300 {
+        let (soup, triangles) = soup(&mut numbers);
+        let form = convex(&mut numbers);
+        let here = pose(&mut numbers, 10.0);
+        let mut there = pose(&mut numbers, 1.0);
+        let away = vector(&mut numbers) * 3.0;
+        there.position = here.position + away;
+        let (by_form, by_mesh) = (vector(&mut numbers) * 1.5 - away, vector(&mut numbers) * 0.5);
+        let initial = if round % 3 == 0 {
+            InitialTouch::IsIgnored
+        } else {
+            InitialTouch::Counts
+        };
+        let touch_of = |geometry: &Geometry| {
+            let (a, b) = (at(&form, there), at(geometry, here));
+            linear_impact(a, b, &motion(by_form, by_mesh, initial), &EXACT, &mut work())
+        };
+        let alone: Vec<Option<ImpactTouch>> = triangles.iter().map(touch_of).collect();
+        let whole = touch_of(&soup);
+        let earliest = alone
+            .iter()
+            .flatten()
+            .map(|touch| touch.fraction)
+            .fold(f64::INFINITY, f64::min);
+        let Some(touch) = whole else {
+            assert!(alone.iter().all(Option::is_none), "round {round}: {alone:?}");
+            continue;
+        };
+        hits += 1;
+        assert_eq!(touch.certificate.verdict, Verdict::Hit, "round {round}: {touch:?}");
+        assert_eq!(touch.fraction, earliest, "round {round}");
+        assert!(is_before(
+            &alone[touch.feature_b.face.expect("a face") as usize],
+            &touch.certificate
+        ));
+        let back = motion(by_mesh, by_form, initial);
+        let swapped = linear_impact(at(&soup, here), at(&form, there), &back, &EXACT, &mut work());
+        let swapped = swapped.expect("as the other way round");
+        assert_eq!(swapped.fraction.to_bits(), touch.fraction.to_bits(), "round {round}");
+        assert_eq!(swapped.certificate.bound, touch.certificate.bound, "round {round}");
+        let rest = motion(DVec3::ZERO, DVec3::ZERO, InitialTouch::Counts);
+        let resting = linear_impact(at(&form, there), at(&soup, here), &rest, &EXACT, &mut work());
+        let touching = overlap(at(&form, there), at(&soup, here), &EXACT, &mut work()).verdict;
+        assert_eq!(resting.is_some(), touching == Verdict::Hit, "round {round}");
+    }
+    assert!((90..=210).contains(&hits), "{hits} hits");
+}
