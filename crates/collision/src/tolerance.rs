@@ -59,6 +59,17 @@ pub const AXIS_LEAN: f64 = 4.0 * PAIR_ROUNDING;
 /// into single points. It changes which points are shown, never a depth. Pinned by `tests/convex/contact.rs`.
 pub const FLAT_CONTACT_SINE: f64 = 1.0 / 1_048_576.0;
 
+/// Makes a computed length an upper bound: three squares, two sums and a root are off by less than 4 roundings, and the
+/// scale taken out of them by 2 more. Larger: wider boxes. Smaller: a reach that is too short. Test: `geometry_bounds.rs`.
+pub const LENGTH_WIDENING: f64 = 1.0 + 8.0 * ROUNDING;
+
+/// Parts of exact sums may be from this to [`EXACT_PART_MAX`] in size: products of four of them, and the errors of those,
+/// which are 2⁻¹⁰⁶ of them, then stay far from both ends of f64. Outside of that nothing is decided exactly.
+pub const EXACT_PART_MIN: f64 = 1e-60;
+
+/// See [`EXACT_PART_MIN`].
+pub const EXACT_PART_MAX: f64 = 1e60;
+
 /// A ray's direction, made a unit vector, is off by less than this: two roundings in a square root's argument count half,
 /// with the root, the quotient and the scale they are under four, along the vector; √3 for three components. Larger: more
 /// rays near an edge stay undecided. Smaller: a wrong verdict there. Test: `ray_exact.rs`.

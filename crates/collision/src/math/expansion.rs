@@ -16,6 +16,7 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use super::exact::{two_product, two_sum};
+use crate::tolerance;
 
 /// An exact number.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -129,7 +130,8 @@ impl ExactVector {
         self.0.iter().all(|component| component.sign() == Ordering::Equal)
     }
 
-    /// Whether products of four such components stay exact: each part is of a size between 1e-60 and 1e60.
+    /// Whether products of four such components stay exact: each part has a size within the limits of
+    /// [`tolerance::EXACT_PART_MIN`].
     #[must_use]
     pub fn is_in_range(&self) -> bool {
         self.0
@@ -139,7 +141,8 @@ impl ExactVector {
     }
 }
 
-/// Whether products of four such components stay exact: each is 0 or of a size between 1e-60 and 1e60.
+/// Whether products of four such components stay exact: each is 0 or of a size within the limits
+/// of [`tolerance::EXACT_PART_MIN`].
 #[must_use]
 pub fn is_in_range(vector: DVec3) -> bool {
     vector
@@ -149,7 +152,7 @@ pub fn is_in_range(vector: DVec3) -> bool {
 }
 
 fn is_size(value: f64) -> bool {
-    (1e-60..=1e60).contains(&value.abs())
+    (tolerance::EXACT_PART_MIN..=tolerance::EXACT_PART_MAX).contains(&value.abs())
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::{
         Aabb, Pose,
         directed::{add_down, add_up},
     },
-    tolerance::{ROTATED_COORDINATE, ROUNDING},
+    tolerance::{LENGTH_WIDENING, ROTATED_COORDINATE},
 };
 
 /// The local box of a form; exact but for a radius around a core, which is rounded outwards.
@@ -147,12 +147,11 @@ fn sum(a: Aabb, b: Aabb) -> Aabb {
     )
 }
 
-/// The length of a vector, rounded up: three squares, two sums and a root are off by less than 4 roundings. The largest
-/// component is taken out first, so that no square vanishes.
+/// The length of a vector, rounded up. The largest component is taken out first, so that no square vanishes.
 fn length_up(vector: DVec3) -> f64 {
     let largest = vector.abs().max_element();
     if largest == 0.0 {
         return 0.0;
     }
-    largest * (vector / largest).length() * (1.0 + 8.0 * ROUNDING)
+    largest * (vector / largest).length() * LENGTH_WIDENING
 }

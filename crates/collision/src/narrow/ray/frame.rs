@@ -41,7 +41,7 @@ impl Target {
         let half = (bounds.max - center).max(center - bounds.min);
         Self {
             center,
-            radius: half.length() * (1.0 + 8.0 * tolerance::ROUNDING),
+            radius: half.length() * tolerance::LENGTH_WIDENING,
             reach: geometry.reach(),
         }
     }
@@ -100,7 +100,7 @@ impl LocalRay {
                 tolerance::RAY_TURNED_DIRECTION,
             )
         } else {
-            let error = lost.length() * (1.0 + 4.0 * tolerance::ROUNDING);
+            let error = lost.length() * tolerance::LENGTH_WIDENING;
             (difference, unit, error, tolerance::RAY_DIRECTION)
         };
         let from_center = origin - target.center;
@@ -129,7 +129,7 @@ impl LocalRay {
 
     /// Whether it surely passes a ball about the centre.
     pub(super) fn passes_ball(&self, radius: f64) -> bool {
-        self.foot.length() * (1.0 - 4.0 * tolerance::ROUNDING) > radius + self.error
+        self.foot.length() * tolerance::SLAB_NARROWING > radius + self.error
     }
 
     /// The local point at a distance along the ray.

@@ -168,7 +168,7 @@ impl<'a> Sight<'a> {
         match (Sign::of(normal.dot(self.ray.direction), error), &self.ray.exact) {
             (Sign::Unknown, Some(exact)) => {
                 let direction = ExactVector::difference(exact.direction, DVec3::ZERO);
-                exact_normal(corners).dot(&direction).sign().into()
+                exact_normal(corners).map_or(Sign::Unknown, |normal| normal.dot(&direction).sign().into())
             }
             (sign, _) => sign,
         }
@@ -219,7 +219,7 @@ impl<'a> Sight<'a> {
     /// Whether the plane is met at the origin of the ray or after it; `None` if that is not known exactly.
     pub(super) fn is_ahead(&self, corners: [DVec3; 3]) -> Option<bool> {
         let exact = self.ray.exact.as_ref()?;
-        let normal = exact_normal(corners);
+        let normal = exact_normal(corners)?;
         let height = normal.dot(&ExactVector::difference(corners[0], exact.origin)).sign();
         let speed = normal
             .dot(&ExactVector::difference(exact.direction, DVec3::ZERO))
@@ -235,8 +235,10 @@ pub(super) fn normal([a, b, c]: [DVec3; 3]) -> (DVec3, f64) {
     (along.cross(across), tolerance::CROSS_PRODUCT * largest)
 }
 
-fn exact_normal([a, b, c]: [DVec3; 3]) -> ExactVector {
-    ExactVector::difference(b, a).cross(&ExactVector::difference(c, a))
+/// `None` if the numbers are too large or too small for exact products.
+fn exact_normal([a, b, c]: [DVec3; 3]) -> Option<ExactVector> {
+    let (along, across) = (ExactVector::difference(b, a), ExactVector::difference(c, a));
+    (along.is_in_range() && across.is_in_range()).then(|| along.cross(&across))
 }
 
 fn exact_side(exact: &ExactRay, a: DVec3, b: DVec3) -> Sign {
@@ -253,7 +255,7 @@ fn exact_side(exact: &ExactRay, a: DVec3, b: DVec3) -> Sign {
 
 /// From exact sums: an estimate of each is off by an ulp or two whatever cancels, and so is the length of the direction.
 fn exact_meeting(exact: &ExactRay, corners: [DVec3; 3]) -> Option<Meeting> {
-    let normal = exact_normal(corners);
+    let normal = exact_normal(corners)?;
     let height = normal
         .dot(&ExactVector::difference(corners[0], exact.origin))
         .estimate();
