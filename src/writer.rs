@@ -41,7 +41,7 @@ pub(crate) struct Writer {
     pub(crate) world: World,
     /// Answers of unary edits, for their retries.
     pub(crate) retries: RetryCache<Committed>,
-    /// Log id of the panic that left the world in doubt.
+    /// Said to every writer since a panic left the world in doubt.
     quarantine: Option<Problem>,
     named: HashMap<String, Named>,
     /// What the last commit took.
@@ -91,19 +91,24 @@ impl Writer {
         when: When,
         rule: EditRule,
     ) -> Checked<Result<EditReport, EditError>> {
-        if let Some(problem) = &self.quarantine {
-            return Err(problem.clone());
-        }
-        let begin = Instant::now();
         let newest = self.world.newest().time();
         let time = match when {
             When::Now => now().max(newest),
             When::At(time) => time,
         };
+        self.guarded(|world| world.apply(edits, time, rule))
+    }
+
+    /// Changes the world, unless it is in quarantine; a panic puts it there.
+    fn guarded<T>(&mut self, change: impl FnOnce(&mut World) -> T) -> Checked<T> {
+        if let Some(problem) = &self.quarantine {
+            return Err(problem.clone());
+        }
+        let begin = Instant::now();
         let world = &mut self.world;
-        let applied = fenced("applying edits", || world.apply(edits, time, rule));
+        let changed = fenced("applying edits", || change(world));
         self.last_commit = begin.elapsed();
-        applied.inspect_err(|_| {
+        changed.inspect_err(|_| {
             tracing::error!("the world is in quarantine: it takes no more edits");
             self.quarantine = Some(Problem::new(
                 Reason::WorldQuarantined,
@@ -155,4 +160,52 @@ impl Writer {
 pub(crate) fn now() -> Time {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     Time(i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_during_an_edit_puts_the_world_in_quarantine() {
+        let mut writer = Writer::new().unwrap();
+        let apply = |writer: &mut Writer| writer.apply(Vec::new(), When::Now, EditRule::AllOrNothing);
+        apply(&mut writer).unwrap().unwrap();
+        let last_whole = writer.world.newest().tick();
+        let problem = writer.guarded::<()>(|_| panic!("half done")).unwrap_err();
+        assert!(problem.is(Reason::Internal), "{problem}");
+        let problem = apply(&mut writer).unwrap_err();
+        assert!(problem.is(Reason::WorldQuarantined), "{problem}");
+        assert!(
+            problem.to_string().contains("questions on its last whole tick go on"),
+            "{problem}"
+        );
+        assert_eq!(writer.world.newest().tick(), last_whole);
+    }
+
+    #[test]
+    fn a_new_stream_of_a_writer_cancels_the_old_and_learns_what_is_committed() {
+        let mut writer = Writer::new().unwrap();
+        let (first, old) = writer.begin_stream("arm");
+        assert_eq!(first, Acked::default());
+        let acked = Acked {
+            sequence: 3,
+            tick: Some(Tick::MIN),
+        };
+        writer.acknowledge("arm", acked);
+        let (second, new) = writer.begin_stream("arm");
+        assert_eq!(second, acked);
+        assert!(old.is_cancelled() && !new.is_cancelled());
+    }
+
+    #[test]
+    fn the_idlest_writer_is_forgotten_when_there_are_too_many() {
+        let mut writer = Writer::new().unwrap();
+        let (_, idlest) = writer.begin_stream("idlest");
+        for number in 0..NAMED_WRITERS {
+            writer.begin_stream(&number.to_string());
+        }
+        assert!(idlest.is_cancelled());
+        assert_eq!(writer.named.len(), NAMED_WRITERS);
+    }
 }

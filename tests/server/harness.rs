@@ -81,6 +81,17 @@ impl Bench {
     }
 }
 
+/// The world of the README: a sphere of radius 1 at z = 5.
+pub(crate) async fn readme_world() -> Bench {
+    let mut bench = Bench::start().await;
+    let tick = bench
+        .edit(vec![insert(shape(1, sphere(1.0), at(0.0, 0.0, 5.0)))])
+        .await
+        .unwrap();
+    assert_eq!(tick, 2);
+    bench
+}
+
 /// A request with a token.
 pub(crate) fn with_token<T>(token: &str, message: T) -> tonic::Request<T> {
     let mut request = tonic::Request::new(message);
@@ -199,4 +210,18 @@ pub(crate) fn assert_refused(status: &Status, code: Code, reason: &str, field: &
     for part in parts {
         assert!(status.message().contains(part), "{part:?} is missing in {status}");
     }
+}
+
+/// A refusal of wrong input: reason, field, and what the message must say.
+pub(crate) type Refusal = (&'static str, &'static str, &'static [&'static str]);
+
+/// Checks a refusal of wrong input.
+#[track_caller]
+pub(crate) fn assert_invalid(status: &Status, (reason, field, parts): Refusal) {
+    let code = match reason {
+        "NOT_YET" => Code::Unimplemented,
+        "GEOMETRY_NOT_FOUND" => Code::NotFound,
+        _ => Code::InvalidArgument,
+    };
+    assert_refused(status, code, reason, field, parts);
 }

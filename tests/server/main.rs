@@ -1,5 +1,17 @@
 //! The server, asked by a client in the same process or over a real socket: one file for each family of calls.
 
+mod bad_edits;
+mod bad_geometries;
+mod bad_questions;
+mod batch;
+mod edit_stream;
+mod edits;
+mod geometries;
 mod harness;
+mod later;
 mod port;
 mod questions;
+mod reading;
+mod sessions;
+mod tokens;
+mod versions;

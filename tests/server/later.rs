@@ -1,0 +1,39 @@
+//! Calls of later versions: each answers UNIMPLEMENTED, and says what it will do and what to use meanwhile.
+
+use tonic::Code;
+use wire::v1 as pb;
+
+use crate::harness::{Bench, assert_refused};
+
+macro_rules! refused {
+    ($bench:ident, $($client:ident.$call:ident($request:expr) says $name:literal, $meanwhile:literal;)*) => {
+        $(
+            let status = $bench.$client.$call($request).await.map(|_| ()).unwrap_err();
+            assert_refused(&status, Code::Unimplemented, "NOT_YET", "", &[$name, "is not served yet", "meanwhile", $meanwhile]);
+        )*
+    };
+}
+
+#[tokio::test]
+async fn calls_of_later_versions_say_what_to_use_meanwhile() {
+    let mut bench = Bench::start().await;
+    refused! { bench,
+        sessions.fork_session(pb::ForkSessionRequest::default()) says "ForkSession", "ListShapes";
+        geometries.upload_geometry(tokio_stream::once(pb::UploadGeometryRequest::default()))
+            says "UploadGeometry", "CreateGeometry";
+        geometries.download_geometry(pb::DownloadGeometryRequest::default()) says "DownloadGeometry", "GetGeometry";
+        worlds.update_world(pb::UpdateWorldRequest::default()) says "UpdateWorld", "DescribeWorld";
+        worlds.watch_overlaps(pb::WatchOverlapsRequest::default()) says "WatchOverlaps", "min_tick";
+        worlds.watch_world(pb::WatchWorldRequest::default()) says "WatchWorld", "ListShapes";
+        worlds.export_world(pb::ExportWorldRequest::default()) says "ExportWorld", "ListShapes";
+        worlds.import_world(tokio_stream::once(pb::ImportWorldRequest::default())) says "ImportWorld", "EditStream";
+        questions.move_character(pb::MoveCharacterRequest::default()) says "MoveCharacter", "TimeOfImpact";
+        questions.resolve(pb::ResolveRequest::default()) says "Resolve", "Penetration";
+        questions.pairs(pb::PairsRequest::default()) says "Pairs", "Overlap";
+        questions.raycast_batch(pb::RaycastBatchRequest::default()) says "RaycastBatch", "Batch";
+        questions.overlap_batch(pb::OverlapBatchRequest::default()) says "OverlapBatch", "Batch";
+        questions.time_of_impact_batch(pb::TimeOfImpactBatchRequest::default()) says "TimeOfImpactBatch", "Batch";
+        questions.distance_batch(pb::DistanceBatchRequest::default()) says "DistanceBatch", "Batch";
+        questions.query_stream(tokio_stream::once(pb::QueryStreamRequest::default())) says "QueryStream", "Batch";
+    }
+}
