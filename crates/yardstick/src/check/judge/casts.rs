@@ -125,19 +125,19 @@ impl Case for CapsuleMeshRecord {
 
     fn questions(&self) -> Vec<Question> {
         let (a, b) = (self.capsule(), at_origin(&self.mesh));
-        let value = if self.distance > 0.0 {
-            Question::Distance {
-                a: a.clone(),
-                b: b.clone(),
-            }
-        } else {
-            Question::Penetration {
-                a: a.clone(),
-                b: b.clone(),
-                max_gap: 0.0,
-            }
+        let overlap = Question::Overlap {
+            a: a.clone(),
+            b: b.clone(),
         };
-        vec![Question::Overlap { a, b }, value]
+        if self.distance > 0.0 {
+            return vec![overlap, Question::Distance { a, b }];
+        }
+        let axis = Question::Distance {
+            a: self.axis(),
+            b: b.clone(),
+        };
+        let max_gap = 0.0;
+        vec![overlap, Question::Penetration { a, b, max_gap }, axis]
     }
 
     fn judge(&self, replies: &[Reply]) -> Outcome {
@@ -160,11 +160,45 @@ impl Case for CapsuleMeshRecord {
             }
             _ => {}
         }
+        if let Some(reply) = replies.get(2) {
+            self.judge_axis(reply, &mut outcome);
+        }
         outcome
     }
 }
 
 impl CapsuleMeshRecord {
+    /// The capsule without its radius.
+    fn axis(&self) -> Placed {
+        let half_height = self.half_height;
+        Placed {
+            form: Form::Capsule {
+                half_height,
+                radius: 0.0,
+            },
+            pose: self.pose,
+        }
+    }
+
+    /// Where the capsule touches, the record still says how far its segment is from the surface.
+    fn judge_axis(&self, reply: &Reply, outcome: &mut Outcome) {
+        let Some(Answer::Distance(_, hits)) = outcome.answer("distance of the axis", reply) else {
+            return;
+        };
+        let Some(near) = hits.first() else {
+            outcome.fault(FaultKind::Verdict, "distance of the axis finds nothing");
+            return;
+        };
+        let truth = self.distance + self.radius;
+        let limit = Limit {
+            tolerance: tolerance::DISTANCE * self.scale,
+            scale: self.scale,
+        };
+        outcome.compare("distance of the axis", near.distance, truth, limit);
+        let slack = tolerance::REFERENCE * self.scale;
+        outcome.hold("distance of the axis", &near.claim, truth, slack);
+    }
+
     fn capsule(&self) -> Placed {
         Placed {
             form: Form::Capsule {

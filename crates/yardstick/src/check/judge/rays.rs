@@ -52,10 +52,6 @@ impl RayRecord {
             return;
         };
         let tolerance = tolerance::RAY * self.scale / truth.cos.max(tolerance::RAY_COS_MIN);
-        if self.ambiguous && error(hit) > tolerance {
-            // Whether it meets the expected triangle at all is what is not to be judged.
-            return;
-        }
         outcome.compare(
             "ray",
             hit.distance,
