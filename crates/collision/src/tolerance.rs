@@ -88,12 +88,15 @@ pub const RAY_TURNED_FRAME: f64 = 256.0 * ROUNDING;
 /// rays. Smaller: wrong verdicts. Test: `ray_exact.rs` and the ray sets of the data.
 pub const RAY_KERNEL: f64 = 64.0 * ROUNDING;
 
-/// Where a triangle's plane is met only to this many times the ray's error, exact sums are used if they can be: at grazing
-/// incidence. Larger: wider intervals; smaller: more time. Never a verdict.
-pub const RAY_GRAZING: f64 = 1024.0;
+/// Where a triangle's plane is met only to within this many times the ray's error, exact sums are used if they can be: at
+/// grazing incidence, and for slivers. Larger: wider intervals (`ray_data.rs` bounds them); smaller: more time. Never a
+/// verdict.
+pub const RAY_GRAZING: f64 = 32.0;
 
 /// A quotient of two exact sums, each estimated to 3 roundings, times a length (4) and by another quotient and product: 12;
 /// twice that and some for sums whose parts overlap in no bit but round upwards together. As a part of the distance.
+/// Larger: wider intervals. Smaller: one might not hold the truth. Test: `ray_exact.rs`, grazing
+/// rays, to within the rounding of its own truth.
 pub const EXACT_MEETING: f64 = 32.0 * ROUNDING;
 
 /// Widens a length that is turned into a `t` of a search by dividing it by the length of the direction (root of a sum of
@@ -104,5 +107,5 @@ pub const LIMIT_WIDENING: f64 = 1.0 + 64.0 * ROUNDING;
 
 /// One form's pose in the frame of another is off by less than this part of their distance and reach: 111 roundings for a
 /// position turned into the frame, and 4 · 30 · √3 for the product of two rounded unit quaternions as a rotation, 319
-/// together. Larger: more triangles are looked at; smaller: one might not be. Test: `pieces_data.rs`.
+/// together. Larger: more triangles are looked at; smaller: one might not be. Test: `pieces_laws.rs`, exact touch.
 pub const RELATIVE_POSE: f64 = 512.0 * ROUNDING;

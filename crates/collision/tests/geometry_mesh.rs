@@ -92,6 +92,19 @@ fn slivers_are_kept_down_to_the_last_bit() {
 }
 
 #[test]
+fn lines_whose_rounded_differences_span_an_area_are_left_out() {
+    let along = DVec3::new(3.0, 5.0, 7.0) / f64::from(1 << 20);
+    let at = |steps: i64| along * steps as f64;
+    let points = [at(-(1 << 50) - 1), at((1 << 50) + 2), at(-5)];
+    assert_ne!(
+        (points[1] - points[0]).cross(points[2] - points[0]),
+        DVec3::ZERO,
+        "rounding shows"
+    );
+    assert!(Geometry::mesh(&points, &[[0, 1, 2]]).is_err());
+}
+
+#[test]
 fn vertices_that_no_triangle_uses_do_not_widen_the_box() {
     let vertices = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::splat(1e6)];
     let geometry = Geometry::mesh(&vertices, &[[0, 1, 2]]).expect("a face");

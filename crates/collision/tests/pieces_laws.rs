@@ -13,7 +13,7 @@ use collision::{
     shape::Geometry,
 };
 use glam::Vec3Swizzles as _;
-use whole::Numbers;
+use whole::{Numbers, to_f64, turned};
 
 const EXACT: Accuracy = Accuracy::of(Tier::Exact);
 
@@ -141,6 +141,55 @@ fn questions_about_a_form_and_a_mesh_agree_with_each_other_and_with_its_triangle
         assert_eq!(faces, expected, "{}", context());
     }
     assert!(hits > 120 && misses > 120, "{hits} hits, {misses} misses");
+}
+
+/// Balls that touch a face of a turned box of triangles in one point, exactly: the poses are whole numbers.
+#[test]
+fn an_exact_touch_is_never_a_miss() {
+    let mut numbers = Numbers::new(73);
+    for round in 0..2_000 {
+        let q = [0; 4].map(|_| numbers.within(9));
+        let norm: i128 = q.iter().map(|part| part * part).sum();
+        if norm == 0 {
+            continue;
+        }
+        let half = 1_000 * norm;
+        let radius = numbers.below([4, 1_000_000][round % 2]) + 1;
+        let corner = |x: i128, y: i128| to_f64([x * half, y * half, half]);
+        let face = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+        let mesh = Geometry::mesh(&face, &[[0, 1, 2], [0, 2, 3]]).expect("a face");
+        let on_face = numbers.vector(900);
+        let from_face = turned(q, [on_face[0], on_face[1], 1_000]);
+        let normal = turned(q, [0, 0, 1]);
+        let position = numbers.vector(1 << 40);
+        let center = [0, 1, 2].map(|axis| position[axis] + from_face[axis] + radius * normal[axis]);
+        let [x, y, z, w] = q.map(|part| part as f64);
+        let mesh = at(&mesh, Pose::new(to_f64(position), DQuat::from_xyzw(x, y, z, w)));
+        let ball = Geometry::sphere((radius * norm) as f64).expect("a ball");
+        let ball = at(&ball, Pose::at(to_f64(center)));
+        let context = || format!("{ball:?} and {mesh:?}");
+        assert_ne!(
+            overlap(ball, mesh, &EXACT, &mut work()).verdict,
+            Verdict::Miss,
+            "{}",
+            context()
+        );
+        assert_ne!(
+            overlap(mesh, ball, &EXACT, &mut work()).verdict,
+            Verdict::Miss,
+            "{}",
+            context()
+        );
+        let found = distance(ball, mesh, 0.0, &EXACT, &mut work()).unwrap_or_else(|| panic!("{}", context()));
+        assert_eq!(found.certificate.bound.lower, 0.0, "{}", context());
+        assert!(
+            !penetration(ball, mesh, 0.0, &EXACT, &mut work())
+                .expect("one mesh")
+                .is_empty(),
+            "{}",
+            context()
+        );
+    }
 }
 
 #[test]

@@ -82,6 +82,9 @@ fn judge(case: &Case<'_>, touches: RayTouches) -> Result<f64, String> {
     if distance < bound.lower - slack || distance > bound.upper + slack {
         return Err(format!("the truth {distance} is not in {bound:?}"));
     }
+    if bound.width() > 2e-13 * case.scale / incidence {
+        return Err(format!("wide: {bound:?}"));
+    }
     if error > 1.0 {
         Err(format!("off by {error} of the tolerance: {touch:?}"))
     } else {

@@ -191,6 +191,46 @@ fn hulls_down_to_slivers() {
     tallies.iter().for_each(Tally::is_not_vacuous);
 }
 
+/// Rays that come in almost along a large triangle of an unturned mesh: where they meet it, exact sums say.
+#[test]
+fn grazing_rays_and_slivers() {
+    let mut numbers = Numbers::new(37);
+    let mut tally = Tally::default();
+    for round in 0..5_000 {
+        let mut scene = Scene::random(&mut numbers, 1000);
+        scene.rotation = [0, 0, 0, 1];
+        let mut corners: [V3; 3] = [0; 3].map(|_| numbers.vector(10_000));
+        if round % 2 == 0 {
+            corners[2] = [0, 1, 2].map(|axis| (corners[0][axis] + 2 * corners[1][axis]) / 3 + numbers.within(2));
+        }
+        corners = corners.map(|corner| corner.map(|part| 3 * part));
+        // Aimed from a point next to the plane at the middle of the triangle, or near it.
+        let miss = if numbers.below(2) == 0 { 0 } else { 40 };
+        let along = whole::minus(corners[1], corners[0]);
+        let from = [0, 1, 2].map(|axis| corners[0][axis] - 20 * along[axis] + numbers.within(100));
+        let middle = |axis: usize| (corners[0][axis] + corners[1][axis] + corners[2][axis]) / 3;
+        let aim = [0, 1, 2].map(|axis| middle(axis) + numbers.within(miss));
+        scene.origin = [0, 1, 2].map(|axis| scene.position[axis] + from[axis]);
+        scene.direction = whole::minus(aim, from);
+        let normal = whole::cross(along, whole::minus(corners[2], corners[0]));
+        if normal == [0; 3] || scene.direction == [0; 3] {
+            continue;
+        }
+        let sides = [0, 1, 2].map(|k| {
+            let (a, b) = (whole::minus(corners[k], from), whole::minus(corners[(k + 1) % 3], from));
+            whole::dot(scene.direction, whole::cross(a, b)).signum()
+        });
+        let speed = whole::dot(normal, scene.direction);
+        let height = whole::dot(normal, whole::minus(corners[0], from));
+        let is_hit = speed != 0 && height * speed >= 0 && !(sides.contains(&1) && sides.contains(&-1));
+        let truth = is_hit.then(|| scene.metres(height as f64 / speed as f64));
+        let points = corners.map(|corner| to_f64(corner) * scene.scale);
+        let mesh = Geometry::mesh(&points, &[[0, 1, 2]]).expect("a triangle");
+        tally.take(&scene, scene.cast(&mesh, false), truth, 20_000.0);
+    }
+    tally.is_not_vacuous();
+}
+
 #[test]
 fn plates_are_hit_though_they_have_no_thickness() {
     let mut numbers = Numbers::new(17);
