@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use collision::{
+    DVec3,
     accuracy::Accuracy,
     answer::{Certificate, Verdict, Work},
     math::Pose,
@@ -15,7 +16,7 @@ use collision::{
 };
 
 use crate::random::Random;
-use crate::scene::{Question, id, random_filter, random_questions, random_shapes, shape, world_of};
+use crate::scene::{Frame, Question, id, random_filter, random_questions, random_shapes, shape, world_of};
 
 const ACCURACY: Accuracy = Accuracy::of(collision::accuracy::Tier::Standard);
 
@@ -23,6 +24,7 @@ const ACCURACY: Accuracy = Accuracy::of(collision::accuracy::Tier::Standard);
 struct Brute<'a> {
     shapes: &'a [Shape],
     filter: &'a Filter,
+    frame: Frame,
     work: Work,
 }
 
@@ -160,13 +162,18 @@ fn sorted(mut touches: Touches) -> Touches {
     touches
 }
 
-/// Ids in order, and values but for what a canonical box raised them by: rounding.
-fn assert_same(found: &Touches, expected: &[(f64, ShapeId)], what: &Question) {
+/// By how much a canonical box may raise a value: what rounds its corners, as a part of the frame's scale.
+fn rounding(frame: Frame) -> f64 {
+    64.0 * f64::EPSILON * (1.0 + frame.origin.abs().max_element() / frame.scale)
+}
+
+/// Ids in order, and values but for what canonical boxes raised them by.
+fn assert_same(found: &Touches, expected: &[(f64, ShapeId)], tolerance: f64, what: &Question) {
     assert_eq!(found.len(), expected.len(), "{found:?} for {expected:?}: {what:?}");
     for (found, expected) in found.iter().zip(expected) {
         assert_eq!(found.1, expected.1, "{what:?}");
         assert!(
-            (found.0 - expected.0).abs() <= 1e-9 * (1.0 + expected.0.abs()),
+            (found.0 - expected.0).abs() <= tolerance,
             "{found:?} {expected:?}: {what:?}"
         );
     }
@@ -177,6 +184,7 @@ fn assert_mode<H>(
     value: impl Fn(&H) -> ((f64, ShapeId), Certificate),
     (certain, undecided): (Touches, Touches),
     mode: HitMode,
+    tolerance: f64,
     what: &Question,
 ) {
     let list: Touches = found.hits.iter().map(|hit| value(hit).0).collect();
@@ -194,14 +202,14 @@ fn assert_mode<H>(
         HitMode::Closest => {
             assert_eq!(found.verdict, verdict, "{what:?}");
             if let Some(best) = certain.first() {
-                assert_same(&list[list.len() - 1..].to_vec(), &[*best], what);
+                assert_same(&list[list.len() - 1..].to_vec(), &[*best], tolerance, what);
                 assert!(
                     list[..list.len() - 1]
                         .iter()
                         .all(|hit| undecided.iter().any(|open| open.1 == hit.1))
                 );
             } else {
-                assert_same(&list, &undecided, what);
+                assert_same(&list, &undecided, tolerance, what);
             }
         }
         HitMode::Any => {
@@ -214,7 +222,7 @@ fn assert_mode<H>(
                 .filter(|open| certain.iter().all(|hit| hit.1 != open.1));
             let all = sorted(certain.iter().copied().chain(open).collect());
             assert_eq!(found.truncated, all.len() > most, "{what:?}");
-            assert_same(&list, &all[..all.len().min(most)], what);
+            assert_same(&list, &all[..all.len().min(most)], tolerance, what);
         }
     }
 }
@@ -223,12 +231,13 @@ fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> V
     let mut go_on = || true;
     let meter = &mut Meter::new(&mut go_on);
     let filter = brute.filter;
+    let length = rounding(brute.frame) * brute.frame.scale;
     match question {
         Question::Raycast(raycast) => {
             let found = snapshot.raycast(raycast, filter, &ACCURACY, meter).expect("an answer");
             let expected = brute.rays(raycast);
             let value = |hit: &collision::world::RayHit| ((hit.touch.distance, hit.id), hit.touch.certificate);
-            assert_mode(&found, value, expected, raycast.mode, question);
+            assert_mode(&found, value, expected, raycast.mode, length, question);
             found.verdict
         }
         Question::TimeOfImpact(impact) => {
@@ -239,7 +248,7 @@ fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> V
             let value = |hit: &collision::world::Impact| {
                 ((hit.touch.fraction, hit.id.expect("a shape")), hit.touch.certificate)
             };
-            assert_mode(&found, value, expected, impact.mode, question);
+            assert_mode(&found, value, expected, impact.mode, rounding(brute.frame), question);
             found.verdict
         }
         Question::Overlap(overlap) => {
@@ -276,6 +285,7 @@ fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> V
             assert_same(
                 &list,
                 &expected[..expected.len().min(penetration.max_contacts)],
+                length,
                 question,
             );
             found.verdict
@@ -287,19 +297,23 @@ fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> V
             let expected = brute.distances(distance);
             let value = |hit: &collision::world::Neighbor| (hit.separation.distance, hit.id.expect("a shape"));
             let list = found.hits.iter().map(value).collect();
-            assert_same(&list, &expected[..expected.len().min(distance.max_hits)], question);
+            assert_same(
+                &list,
+                &expected[..expected.len().min(distance.max_hits)],
+                length,
+                question,
+            );
             found.verdict
         }
     }
 }
 
-#[test]
-fn questions_answer_what_the_kernel_on_every_shape_answers() {
+fn compare_in(frame: Frame) {
     let mut random = Random::new(31);
     let mut hits = [0; 5];
     let mut asked = 0;
     for count in [1, 3, 10, 40, 90, 150] {
-        let shapes = random_shapes(&mut random, count);
+        let shapes = random_shapes(&mut random, frame, count);
         let snapshot = world_of(shapes.clone()).newest();
         for _ in 0..60 {
             let filter = if random.unit() < 0.5 {
@@ -310,10 +324,11 @@ fn questions_answer_what_the_kernel_on_every_shape_answers() {
             let mut brute = Brute {
                 shapes: &shapes,
                 filter: &filter,
+                frame,
                 work: Work::default(),
             };
             asked += 1;
-            for (kind, question) in random_questions(&mut random, count).iter().enumerate() {
+            for (kind, question) in random_questions(&mut random, frame, count).iter().enumerate() {
                 hits[kind] += usize::from(compare(&snapshot, &mut brute, question) == Verdict::Hit);
             }
         }
@@ -322,6 +337,27 @@ fn questions_answer_what_the_kernel_on_every_shape_answers() {
         hits.iter().all(|&hits| hits * 10 > asked * 2 && hits < asked),
         "vacuous: {hits:?} of {asked}"
     );
+}
+
+#[test]
+fn questions_answer_what_the_kernel_on_every_shape_answers() {
+    compare_in(Frame::UNIT);
+}
+
+#[test]
+fn so_they_do_among_small_shapes_far_out() {
+    compare_in(Frame {
+        scale: 1e-4,
+        origin: DVec3::new(1e3, 5e3, -2e3),
+    });
+}
+
+#[test]
+fn so_they_do_among_large_shapes_at_the_end_of_the_world() {
+    compare_in(Frame {
+        scale: 1e6,
+        origin: DVec3::new(9e11, -9e11, 5e11),
+    });
 }
 
 #[test]

@@ -37,15 +37,33 @@ pub(crate) fn shape(number: u64, geometry: Arc<Geometry>, pose: Pose) -> Shape {
     }
 }
 
-pub(crate) fn random_pose(random: &mut Random, spread: f64) -> Pose {
+/// How large everything is, and where.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    pub(crate) scale: f64,
+    pub(crate) origin: DVec3,
+}
+
+impl Frame {
+    pub(crate) const UNIT: Self = Self {
+        scale: 1.0,
+        origin: DVec3::ZERO,
+    };
+
+    fn place(self, position: DVec3) -> DVec3 {
+        position * self.scale + self.origin
+    }
+}
+
+pub(crate) fn random_pose(random: &mut Random, frame: Frame, spread: f64) -> Pose {
     let turn = random.vector();
     Pose::new(
-        random.vector() * spread,
+        frame.place(random.vector() * spread),
         DQuat::from_xyzw(turn.x, turn.y, turn.z, random.unit() + 0.01),
     )
 }
 
-pub(crate) fn random_geometry(random: &mut Random) -> Arc<Geometry> {
+pub(crate) fn random_geometry(random: &mut Random, frame: Frame) -> Arc<Geometry> {
     let size = random.vector().abs() + 0.2;
     Arc::new(
         match random.bits() % 5 {
@@ -65,12 +83,13 @@ pub(crate) fn random_geometry(random: &mut Random) -> Arc<Geometry> {
                 Geometry::hull(&points)
             }
         }
+        .and_then(|geometry| geometry.scaled(frame.scale))
         .expect("a geometry"),
     )
 }
 
 /// Shapes of all kinds, flags, layers and groups.
-pub(crate) fn random_shapes(random: &mut Random, count: u64) -> Vec<Shape> {
+pub(crate) fn random_shapes(random: &mut Random, frame: Frame, count: u64) -> Vec<Shape> {
     (1..=count)
         .map(|number| Shape {
             layers: 1 << (random.bits() % 3),
@@ -82,7 +101,7 @@ pub(crate) fn random_shapes(random: &mut Random, count: u64) -> Vec<Shape> {
             },
             sensor: random.unit() < 0.2,
             group: (random.bits() % 4) as u32,
-            ..shape(number, random_geometry(random), random_pose(random, 4.0))
+            ..shape(number, random_geometry(random, frame), random_pose(random, frame, 4.0))
         })
         .collect()
 }
@@ -142,11 +161,11 @@ pub(crate) fn ray(origin: DVec3, direction: DVec3) -> Ray {
     }
 }
 
-pub(crate) fn random_subject(random: &mut Random, shape_count: u64) -> Subject {
-    let pose = random_pose(random, 5.0);
+pub(crate) fn random_subject(random: &mut Random, frame: Frame, shape_count: u64) -> Subject {
+    let pose = random_pose(random, frame, 5.0);
     match random.bits() % 3 {
         0 => Subject::Geometry {
-            geometry: random_geometry(random),
+            geometry: random_geometry(random, frame),
             pose,
         },
         1 => Subject::Shape {
@@ -169,8 +188,8 @@ pub(crate) fn random_mode(random: &mut Random) -> HitMode {
 }
 
 /// A question of each kind.
-pub(crate) fn random_questions(random: &mut Random, shape_count: u64) -> [Question; 5] {
-    let mut subject = || random_subject(random, shape_count);
+pub(crate) fn random_questions(random: &mut Random, frame: Frame, shape_count: u64) -> [Question; 5] {
+    let mut subject = || random_subject(random, frame, shape_count);
     let subjects = [subject(), subject(), subject(), subject()];
     let [overlap, penetration, impact, distance] = subjects;
     let origin = random.vector() * 8.0;
@@ -178,10 +197,10 @@ pub(crate) fn random_questions(random: &mut Random, shape_count: u64) -> [Questi
     [
         Question::Raycast(Raycast {
             ray: Ray {
-                min_distance: if random.unit() < 0.2 { 2.0 } else { 0.0 },
-                max_distance: if random.unit() < 0.3 { 6.0 } else { 4e12 },
+                min_distance: if random.unit() < 0.2 { 2.0 * frame.scale } else { 0.0 },
+                max_distance: if random.unit() < 0.3 { 6.0 * frame.scale } else { 4e12 },
                 hollow: random.unit() < 0.3,
-                ..ray(origin, towards)
+                ..ray(frame.place(origin), towards)
             },
             mode: random_mode(random),
         }),
@@ -193,12 +212,12 @@ pub(crate) fn random_questions(random: &mut Random, shape_count: u64) -> [Questi
         Question::Penetration(Penetration {
             subject: penetration,
             against: None,
-            max_gap: if random.unit() < 0.5 { 0.0 } else { 0.3 },
+            max_gap: if random.unit() < 0.5 { 0.0 } else { 0.3 * frame.scale },
             max_contacts: if random.unit() < 0.3 { 2 } else { 64 },
         }),
         Question::TimeOfImpact(TimeOfImpact {
             subject: impact,
-            displacement: random.vector() * 8.0,
+            displacement: random.vector() * 8.0 * frame.scale,
             against: None,
             against_displacement: DVec3::ZERO,
             initial: if random.unit() < 0.3 {
@@ -211,7 +230,7 @@ pub(crate) fn random_questions(random: &mut Random, shape_count: u64) -> [Questi
         Question::Distance(Distance {
             subject: distance,
             against: None,
-            max_distance: if random.unit() < 0.3 { 1.0 } else { 4e12 },
+            max_distance: if random.unit() < 0.3 { frame.scale } else { 4e12 },
             max_hits: 1 + (random.bits() % 5) as usize,
         }),
     ]
