@@ -224,3 +224,96 @@ impl<H: Hit> Gathered<H> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::num::NonZeroU64;
+
+    use super::*;
+    use crate::answer::{Bound, Method, Stop};
+
+    /// A touch that a kernel would find, and the lower bound that its canonical box proves.
+    #[derive(Clone, Debug, PartialEq)]
+    struct Touch {
+        id: ShapeId,
+        value: f64,
+        certificate: Certificate,
+        least: f64,
+    }
+
+    impl Hit for Touch {
+        fn value(&self) -> f64 {
+            self.value
+        }
+
+        fn id(&self) -> Option<ShapeId> {
+            Some(self.id)
+        }
+
+        fn certificate(&self) -> &Certificate {
+            &self.certificate
+        }
+    }
+
+    /// Small whole numbers, so that bounds often tie and often cross.
+    fn touch(number: u64, mut next: impl FnMut(u64) -> u64) -> Touch {
+        let least = next(8) as f64;
+        let lower = least - 2.0 + next(4) as f64;
+        let value = lower.max(least) + next(3) as f64;
+        Touch {
+            id: NonZeroU64::new(number).expect("not 0"),
+            value,
+            certificate: Certificate {
+                verdict: if next(3) == 0 { Verdict::Undecided } else { Verdict::Hit },
+                bound: Bound::new(lower, value + next(4) as f64),
+                method: Method::Gjk,
+                stop: Stop::Budget,
+                iterations: 0,
+            },
+            least,
+        }
+    }
+
+    /// As a question does it: what lies beyond the limit is passed over, the rest is raised and taken.
+    fn gather(mode: HitMode, touches: &[Touch]) -> Found<Touch> {
+        let mut gathered = Gathered::new(mode);
+        for touch in touches {
+            if touch.least > gathered.limit() {
+                continue;
+            }
+            let mut touch = touch.clone();
+            raise(&mut touch.value, &mut touch.certificate, touch.least);
+            match touch.certificate.verdict {
+                Verdict::Hit => gathered.add(Some(touch), None),
+                _ => gathered.add(None, Some(touch)),
+            }
+        }
+        gathered.finish()
+    }
+
+    #[test]
+    fn what_is_kept_does_not_depend_on_the_order() {
+        let mut state = 7_u64;
+        let mut next = |below: u64| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) % below
+        };
+        let mut several = 0;
+        for _ in 0..3000 {
+            let mut touches: Vec<Touch> = (1..=2 + next(7)).map(|number| touch(number, &mut next)).collect();
+            for mode in [HitMode::Closest, HitMode::All(next(4) as usize)] {
+                let first = gather(mode, &touches);
+                several += usize::from(first.hits.len() > 1);
+                for last in (1..touches.len()).rev() {
+                    touches.swap(last, next(last as u64 + 1) as usize);
+                }
+                let second = gather(mode, &touches);
+                assert_eq!(first.hits, second.hits, "{mode:?} of {touches:?}");
+                assert_eq!((first.verdict, first.truncated), (second.verdict, second.truncated));
+            }
+        }
+        assert!(several > 1000, "vacuous: {several}");
+    }
+}

@@ -5,7 +5,9 @@ use std::{collections::BTreeMap, sync::Arc};
 use collision::{
     DQuat, DVec3,
     accuracy::Accuracy,
+    answer::{Verdict, Work},
     math::{Aabb, Pose},
+    narrow::{self, Placed},
     shape::Geometry,
     world::{
         Edit, EditError, EditFault, EditRule, Filter, Meter, Mobility, Overlap, Shape, ShapeId, Snapshot, Subject,
@@ -148,6 +150,23 @@ fn touching(snapshot: &Snapshot, half: f64) -> Vec<u64> {
     found.hits.iter().map(|hit| hit.id.expect("a shape").get()).collect()
 }
 
+/// The same by asking the kernel about every shape.
+fn touching_in_model(model: &Model, half: f64) -> Vec<u64> {
+    let geometry = Geometry::cuboid(DVec3::splat(half)).expect("a box");
+    let subject = Placed {
+        geometry: &geometry,
+        pose: Pose::IDENTITY,
+    };
+    let touches = |shape: &&Shape| {
+        let other = Placed {
+            geometry: &shape.geometry,
+            pose: shape.pose,
+        };
+        narrow::overlap(subject, other, &Accuracy::default(), &mut Work::default()).verdict != Verdict::Miss
+    };
+    model.values().filter(touches).map(|shape| shape.id.get()).collect()
+}
+
 #[test]
 fn a_world_does_what_a_map_does_and_versions_never_change() {
     let geometries = geometries();
@@ -193,7 +212,9 @@ fn a_world_does_what_a_map_does_and_versions_never_change() {
             }
             let newest = world.newest();
             assert_equals(&newest, &model);
-            versions.push((Arc::clone(&newest), model.clone(), touching(&newest, 4.0)));
+            let touched = touching(&newest, 4.0);
+            assert_eq!(touched, touching_in_model(&model, 4.0), "tick {}", newest.tick());
+            versions.push((Arc::clone(&newest), model.clone(), touched));
         }
         for (snapshot, model, touched) in &versions {
             assert_equals(snapshot, model);

@@ -260,3 +260,33 @@ fn a_question_is_called_off_when_its_caller_says_so() {
     assert_eq!((found.hits.len(), meter.work.shapes_tested), (2000, 2000));
     assert!(meter.work.pairs_tested >= 2000 && meter.work.nodes_visited >= 2000);
 }
+
+/// A static wall before a crowd: the limit that the static tree found holds in the dynamic one too.
+#[test]
+fn what_is_behind_a_wall_costs_nothing() {
+    let wall = Shape {
+        mobility: Mobility::Static,
+        ..shape(
+            1,
+            Arc::new(Geometry::cuboid(DVec3::new(0.1, 50.0, 50.0)).expect("a box")),
+            Pose::IDENTITY,
+        )
+    };
+    let crowd = (2..2000).map(|number| shape(number, ball(), Pose::at(DVec3::X * number as f64)));
+    let snapshot = world_of(crowd.chain([wall])).newest();
+    let question = Raycast {
+        ray: ray(DVec3::X * -5.0, DVec3::X),
+        mode: HitMode::Closest,
+    };
+    let mut go_on = || true;
+    let mut meter = Meter::new(&mut go_on);
+    let found = snapshot
+        .raycast(&question, &Filter::default(), &Accuracy::default(), &mut meter)
+        .expect("an answer");
+    assert_eq!(found.hits.first().map(|hit| hit.id), Some(id(1)));
+    assert!(
+        meter.work.nodes_visited <= 2 && meter.work.shapes_tested == 1,
+        "{:?}",
+        meter.work
+    );
+}
