@@ -1,6 +1,10 @@
 //! What every call passes first: admission, its deadline, and the fence that panics do not pass.
 
-use std::{panic::AssertUnwindSafe, sync::Arc, time::Duration};
+use std::{
+    panic::AssertUnwindSafe,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use axum::{
     extract::{Request, State},
@@ -64,8 +68,9 @@ impl Gate {
 pub(crate) async fn pass(State(gate): State<Arc<Gate>>, mut request: Request, next: Next) -> Response {
     let deadline = Deadline::of(request.headers());
     request.extensions_mut().insert(deadline);
-    let path = request.uri().path();
-    let is_counted = path.starts_with(COUNTED) && !STREAMS.contains(&path);
+    let uri = request.uri().clone();
+    let is_counted = uri.path().starts_with(COUNTED) && !STREAMS.contains(&uri.path());
+    let began = Instant::now();
     let call = async {
         let _permit = match is_counted {
             true => Some(gate.admit().await?),
@@ -82,6 +87,11 @@ pub(crate) async fn pass(State(gate): State<Arc<Gate>>, mut request: Request, ne
         () = deadline.passed() => Err(Deadline::problem()),
         () = gate.abort.cancelled() => Err(Problem::new(Reason::Stopping, "the server has stopped")),
     };
+    tracing::debug!(
+        call = uri.path(),
+        elapsed_us = began.elapsed().as_micros(),
+        refused = answered.is_err()
+    );
     match answered {
         Ok(response) => with_the_code_of_a_quota(response),
         Err(problem) => refuse(problem.into()),

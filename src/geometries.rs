@@ -155,9 +155,10 @@ impl Geometries {
         }
     }
 
-    /// Bytes that the geometries hold now, lazily built structures included.
-    pub(crate) fn memory_bytes(&self) -> u64 {
-        self.held.lock().count_bytes()
+    /// Bytes that the geometries hold now, lazily built structures included, and about what so many shapes hold. Costs a
+    /// pass over the geometries.
+    pub(crate) fn memory_bytes(&self, shape_count: usize) -> u64 {
+        self.held.lock().count_bytes() + shape_bytes(shape_count)
     }
 
     /// Checks that a world of so many shapes stays within the memory quota.

@@ -8,6 +8,7 @@ use std::{
 };
 
 use parking_lot::{Mutex, RwLock};
+use tokio::sync::Semaphore;
 
 use crate::{
     config::Settings,
@@ -21,6 +22,8 @@ use crate::{
 pub(crate) const DEFAULT: &str = "default";
 /// How often leases are looked at.
 const SWEEP_EVERY: Duration = Duration::from_millis(250);
+/// Of how many looks at the leases one tidies the sessions as well: every 10 s.
+const TIDY_OF: u32 = 40;
 /// How often an id is chosen anew because it was taken; at 64 random bits once is already improbable.
 const CHOICES: usize = 8;
 
@@ -32,6 +35,8 @@ pub(crate) struct Registry {
     sessions: RwLock<BTreeMap<String, Arc<Session>>>,
     /// Sessions made, for retries. For five minutes this holds what the first answer held, token included.
     created: Mutex<RetryCache<Created>>,
+    /// Places for calls of all sessions that wait for a tick: half of those in flight, so that others get through.
+    waiting: Arc<Semaphore>,
 }
 
 /// A session that was made, and its owner's token.
@@ -51,6 +56,9 @@ impl Registry {
             operator: settings.operator_token.as_deref().map(TokenHash::of),
             sessions: RwLock::default(),
             created: Mutex::default(),
+            waiting: Arc::new(Semaphore::new(
+                (settings.max_in_flight / 2).clamp(1, Semaphore::MAX_PERMITS),
+            )),
             settings,
         };
         if registry.settings.has_default_session() {
@@ -120,7 +128,7 @@ impl Registry {
         let token = tokens.create(Role::Owner)?;
         let lease = lease.unwrap_or(self.settings.default_lease);
         let access = Access::ByToken(Mutex::new(tokens));
-        let session = Arc::new(Session::new(id.clone(), access, Some(lease), &self.settings)?);
+        let session = self.session(id.clone(), access, Some(lease))?;
         let mut sessions = self.sessions.write();
         if sessions.contains_key(&id) {
             let what = format!("is {id:?}, which is taken: choose another id, or leave it empty");
@@ -173,11 +181,13 @@ impl Registry {
     pub(crate) async fn sweep_leases(&self) {
         let mut every = tokio::time::interval(SWEEP_EVERY);
         every.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
-        loop {
+        for look in (0..TIDY_OF).cycle() {
             every.tick().await;
             let sessions: Vec<_> = self.sessions.read().values().cloned().collect();
             for session in sessions {
-                session.sweep();
+                if look == 0 {
+                    session.sweep();
+                }
                 if session.lease.is_over()
                     && let Err(problem) = self.end(&session)
                 {
@@ -209,12 +219,12 @@ impl Registry {
 
     fn open_session(&self) -> Checked<Arc<Session>> {
         let access = Access::Open(Mutex::default());
-        Ok(Arc::new(Session::new(
-            DEFAULT.to_owned(),
-            access,
-            None,
-            &self.settings,
-        )?))
+        self.session(DEFAULT.to_owned(), access, None)
+    }
+
+    fn session(&self, id: String, access: Access, lease: Option<Duration>) -> Checked<Arc<Session>> {
+        let session = Session::new(id, access, lease, &self.settings, self.waiting.clone())?;
+        Ok(Arc::new(session))
     }
 
     fn is_open(&self, session: &Session) -> bool {

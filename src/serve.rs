@@ -193,6 +193,8 @@ async fn routes(settings: &Settings, stop: &Stop) -> Result<(HealthReporter, Rou
         tonic_reflection::server::Builder::configure()
             .register_encoded_file_descriptor_set(wire::v1::FILE_DESCRIPTOR_SET)
             .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+            // So that grpcurl can print the details of an error.
+            .register_encoded_file_descriptor_set(tonic_types::pb::FILE_DESCRIPTOR_SET)
     };
     let registry = Registry::new(settings.clone()).map_err(|problem| StartError::Session(problem.to_string()))?;
     let registry = Arc::new(registry);

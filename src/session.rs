@@ -12,7 +12,7 @@ use std::{
 use arc_swap::ArcSwap;
 use collision::world::{Edit, EditError, EditReport, EditRule, Snapshot, Tick, Time};
 use parking_lot::Mutex;
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
@@ -77,6 +77,8 @@ pub(crate) struct Session {
     newest_tick: watch::Sender<Tick>,
     paged: Mutex<Vec<(Instant, Arc<Snapshot>)>>,
     shape_quota: usize,
+    /// Places for calls that wait for a tick.
+    waiting: Arc<Semaphore>,
 }
 
 impl Session {
@@ -84,7 +86,13 @@ impl Session {
     ///
     /// # Errors
     /// The world cannot be made.
-    pub(crate) fn new(id: String, access: Access, lease: Option<Duration>, settings: &Settings) -> Checked<Self> {
+    pub(crate) fn new(
+        id: String,
+        access: Access,
+        lease: Option<Duration>,
+        settings: &Settings,
+        waiting: Arc<Semaphore>,
+    ) -> Checked<Self> {
         let writer = Writer::new()?;
         let newest = writer.world.newest();
         Ok(Self {
@@ -100,6 +108,7 @@ impl Session {
             newest: ArcSwap::new(newest),
             paged: Mutex::default(),
             shape_quota: settings.session_shapes,
+            waiting,
         })
     }
 
@@ -189,6 +198,10 @@ impl Session {
         if newest.tick() >= tick {
             return Ok(newest);
         }
+        let _place = self.waiting.try_acquire().map_err(|_| {
+            let what = "too many calls wait for a tick: ask again later, or without min_tick";
+            Problem::new(Reason::Overloaded, what).with("quota", "waiting_calls")
+        })?;
         let mut ticks = self.newest_tick.subscribe();
         tokio::select! {
             biased;
@@ -259,12 +272,19 @@ impl Session {
         })
     }
 
-    /// What may be let go now and then: versions that nobody read a further page of.
+    /// What is done now and then: lets versions go that nobody read a further page of, and counts the geometries'
+    /// memory anew, which grows when questions make them build their trees.
     pub(crate) fn sweep(&self) {
         let now = Instant::now();
         self.paged
             .lock()
             .retain(|(used, _)| now.duration_since(*used) < PAGED_FOR);
+        self.memory_bytes();
+    }
+
+    /// Memory that it holds, bytes: that of its geometries, and an estimate for its shapes.
+    pub(crate) fn memory_bytes(&self) -> u64 {
+        self.geometries.memory_bytes(self.newest().len())
     }
 
     /// What callers of a session are told that has ended meanwhile.

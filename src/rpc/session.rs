@@ -123,7 +123,7 @@ pub(super) fn session_out(session: &Session) -> pb::Session {
         expire_time: session.lease.expires_at().map(Into::into),
         lease: session.lease.length().map(duration),
         tick: newest.tick().get(),
-        memory_bytes: session.geometries.memory_bytes(),
+        memory_bytes: session.memory_bytes(),
     }
 }
 
