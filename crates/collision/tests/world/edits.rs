@@ -323,6 +323,45 @@ fn a_world_of_static_shapes_builds_a_tree_only_when_it_is_asked() {
 }
 
 #[test]
+fn a_static_shape_is_found_where_it_was_moved_to() {
+    let geometries = geometries();
+    // So many that they do not share a leaf of the tree.
+    let shapes: Vec<Shape> = (1..=50)
+        .map(|number| {
+            shape(
+                number,
+                &geometries[1],
+                DVec3::X * (number - 1) as f64 * 10.0,
+                Mobility::Static,
+            )
+        })
+        .collect();
+    let mut world = World::new(Time(0));
+    world
+        .apply(
+            shapes.into_iter().map(Edit::Insert).collect(),
+            Time(0),
+            EditRule::AllOrNothing,
+        )
+        .expect("a tick");
+    let before = world.newest();
+    assert_eq!(touching(&before, 1.0), [1], "its tree is built");
+    let come = Edit::Move {
+        id: id(50),
+        position: Some(DVec3::Y),
+        rotation: None,
+        velocity: None,
+        angular_velocity: None,
+        teleport: false,
+    };
+    world
+        .apply(vec![come], Time(0), EditRule::AllOrNothing)
+        .expect("a tick");
+    assert_eq!(touching(&world.newest(), 1.0), [1, 50]);
+    assert_eq!(touching(&before, 1.0), [1]);
+}
+
+#[test]
 fn a_shape_replaced_whole_keeps_nothing_and_ids_are_used_again() {
     let geometries = geometries();
     let mut world = World::new(Time(0));
