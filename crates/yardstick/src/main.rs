@@ -65,7 +65,7 @@ fn check(arguments: &CheckArguments) -> Result<u8, String> {
         None => {
             // Panics of the crate are counted, record by record: their text would only drown the tables.
             std::panic::set_hook(Box::new(|_| {}));
-            Box::new(CrateAsker::new())
+            Box::new(CrateAsker::default())
         }
     };
     let bar = progress_bar();

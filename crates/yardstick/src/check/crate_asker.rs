@@ -29,14 +29,6 @@ pub struct CrateAsker {
     geometries: GeometryCache,
 }
 
-impl CrateAsker {
-    /// A new asker.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-}
-
 const ACCURACY: Accuracy = Accuracy::of(Tier::Exact);
 
 impl Asker for CrateAsker {
