@@ -13,21 +13,22 @@ use axum::{
 };
 use futures_util::FutureExt;
 use tokio::sync::{Semaphore, SemaphorePermit};
-use tokio_util::sync::CancellationToken;
 use tonic::{Code, Status, body::Body};
 
 use crate::{
     deadline::Deadline,
+    drain::Draining,
     fence::caught,
     problem::{Checked, Problem, Reason},
+    serve::Stop,
 };
 
 /// How long a call may wait to be admitted before it is refused: a burst gets through, an overload does not queue up.
 const ADMISSION_WAIT: Duration = Duration::from_millis(20);
 /// Calls that live for long and do their work in small pieces; they are not counted.
 const STREAMS: [&str; 1] = ["/calipers.v1.WorldService/EditStream"];
-/// The paths that are counted.
-const COUNTED: &str = "/calipers.v1.";
+/// How the paths of this API begin.
+const OWN: &str = "/calipers.v1.";
 /// How tonic's refusal of a message that is too large begins.
 const TOO_LARGE: &str = "Error, decoded message length too large";
 
@@ -36,17 +37,18 @@ const TOO_LARGE: &str = "Error, decoded message length too large";
 pub(crate) struct Gate {
     in_flight: Semaphore,
     limit: usize,
-    abort: CancellationToken,
+    stop: Stop,
 }
 
 impl Gate {
-    /// A gate that lets so many unary calls be worked on at a time, and drops them all when `abort` is cancelled.
-    pub(crate) fn new(limit: usize, abort: CancellationToken) -> Self {
+    /// A gate that lets so many unary calls be worked on at a time, and drops them all when the stop
+    /// aborts.
+    pub(crate) fn new(limit: usize, stop: Stop) -> Self {
         let limit = limit.min(Semaphore::MAX_PERMITS);
         Self {
             in_flight: Semaphore::new(limit),
             limit,
-            abort,
+            stop,
         }
     }
 
@@ -69,7 +71,7 @@ pub(crate) async fn pass(State(gate): State<Arc<Gate>>, mut request: Request, ne
     let deadline = Deadline::of(request.headers());
     request.extensions_mut().insert(deadline);
     let uri = request.uri().clone();
-    let is_counted = uri.path().starts_with(COUNTED) && !STREAMS.contains(&uri.path());
+    let is_counted = uri.path().starts_with(OWN) && !STREAMS.contains(&uri.path());
     let began = Instant::now();
     let call = async {
         let _permit = match is_counted {
@@ -85,7 +87,7 @@ pub(crate) async fn pass(State(gate): State<Arc<Gate>>, mut request: Request, ne
         biased;
         answered = call => answered,
         () = deadline.passed() => Err(Deadline::problem()),
-        () = gate.abort.cancelled() => Err(Problem::new(Reason::Stopping, "the server has stopped")),
+        () = gate.stop.abort.cancelled() => Err(Problem::new(Reason::Stopping, "the server has stopped")),
     };
     tracing::debug!(
         call = uri.path(),
@@ -93,7 +95,11 @@ pub(crate) async fn pass(State(gate): State<Arc<Gate>>, mut request: Request, ne
         refused = answered.is_err()
     );
     match answered {
-        Ok(response) => with_the_code_of_a_quota(response),
+        Ok(response) if uri.path().starts_with(OWN) => with_the_code_of_a_quota(response),
+        Ok(response) => {
+            let drain = gate.stop.drain.clone();
+            response.map(|body| axum::body::Body::new(Draining::new(body, drain)))
+        }
         Err(problem) => refuse(problem.into()),
     }
 }

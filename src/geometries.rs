@@ -12,7 +12,7 @@ use collision::{
 };
 use parking_lot::Mutex;
 
-use crate::problem::{Checked, Problem, Reason};
+use crate::problem::{Checked, Problem, Reason, quoted};
 
 /// Rough memory of one shape in a world besides its geometry: itself, its leaf and its box.
 const SHAPE_BYTES: u64 = 512;
@@ -133,7 +133,8 @@ impl Geometries {
     pub(crate) fn get(&self, text: &str) -> Checked<Arc<Geometry>> {
         let found = parse_id(text).and_then(|id| self.held.lock().find(id));
         found.ok_or_else(|| {
-            let what = format!("is {text:?}: this session knows no such geometry; CreateGeometry gives the id");
+            let text = quoted(text);
+            let what = format!("is {text}: this session knows no such geometry; CreateGeometry gives the id");
             Problem::at("geometry_id", Reason::GeometryNotFound, what)
         })
     }

@@ -13,6 +13,7 @@ pub mod serve;
 mod compute;
 mod convert;
 mod deadline;
+mod drain;
 mod fence;
 mod gate;
 mod geometries;

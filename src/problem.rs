@@ -5,6 +5,9 @@ use std::collections::HashMap;
 use tonic::{Code, Status};
 use tonic_types::{ErrorDetails, FieldViolation, StatusExt};
 
+/// How much of a caller's own text stands in a message.
+const QUOTED_CHARS: usize = 80;
+
 /// The domain of every error's reason.
 const DOMAIN: &str = "calipers.v1";
 
@@ -188,6 +191,14 @@ impl From<Problem> for Status {
     }
 }
 
+/// A caller's own text as it stands in a message: in quotes, and cut where it is long, because messages travel in headers.
+pub(crate) fn quoted(text: &str) -> String {
+    match text.char_indices().nth(QUOTED_CHARS) {
+        None => format!("{text:?}"),
+        Some((end, _)) => format!("{:?}…", &text[..end]),
+    }
+}
+
 /// Puts the name of the message that holds a field before that field's name.
 pub(crate) trait Under {
     /// See [`Problem::under`].
@@ -209,6 +220,14 @@ impl<T> Under for Checked<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_texts_are_cut_between_characters() {
+        assert_eq!(quoted("short"), "\"short\"");
+        let cut = quoted(&"é".repeat(1000));
+        assert_eq!(cut.chars().count(), QUOTED_CHARS + 3);
+        assert!(cut.ends_with("\"…"), "{cut}");
+    }
 
     #[test]
     fn the_field_grows_from_the_inside_out_and_stands_in_message_and_details() {

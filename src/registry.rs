@@ -12,7 +12,7 @@ use tokio::sync::Semaphore;
 
 use crate::{
     config::Settings,
-    problem::{Checked, Problem, Reason},
+    problem::{Checked, Problem, Reason, quoted},
     retry::{RetryCache, RetryKey},
     session::{Access, Session},
     token::{Role, TokenHash, Tokens, random_hex},
@@ -211,7 +211,7 @@ impl Registry {
                  gave"
                     .to_owned()
             } else {
-                format!("is {name:?}: there is no such session; it may have ended with its lease")
+                format!("is {}: there is no such session; it may have ended with its lease", quoted(name))
             };
             Problem::at("session", Reason::SessionNotFound, what)
         })
@@ -251,7 +251,8 @@ fn checked_id(wish: &str) -> Checked<String> {
     if well_formed {
         return Ok(wish.to_owned());
     }
-    let what = format!("is {wish:?}: an id is a letter a-z and up to 62 of a-z, 0-9 and -, such as \"arena-7\"");
+    let wish = quoted(wish);
+    let what = format!("is {wish}: an id is a letter a-z and up to 62 of a-z, 0-9 and -, such as \"arena-7\"");
     Err(Problem::at("session", Reason::OutOfLimits, what))
 }
 

@@ -201,7 +201,7 @@ async fn routes(settings: &Settings, stop: &Stop) -> Result<(HealthReporter, Rou
     let sweeper = registry.clone();
     let until = stop.clone();
     tokio::spawn(async move { until.abort.run_until_cancelled(sweeper.sweep_leases()).await });
-    let gate = Arc::new(Gate::new(settings.max_in_flight, stop.abort.clone()));
+    let gate = Arc::new(Gate::new(settings.max_in_flight, stop.clone()));
     let grpc = rpc::routes(registry, stop.drain.clone())
         .add_service(reflection().build_v1()?)
         .add_service(reflection().build_v1alpha()?)

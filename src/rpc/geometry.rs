@@ -13,7 +13,7 @@ use crate::{
         number::count,
     },
     geometries::{id_text, parse_id, uses},
-    problem::{Checked, Problem, Reason, Under},
+    problem::{Checked, Problem, Reason, Under, quoted},
     token::Role,
 };
 
@@ -111,7 +111,7 @@ fn parse_token(token: &str) -> Checked<Option<GeometryId>> {
         return Ok(None);
     }
     parse_id(token).map(Some).ok_or_else(|| {
-        let what = format!("is {token:?}, which no response gave: leave it empty to begin");
+        let what = format!("is {}, which no response gave: leave it empty to begin", quoted(token));
         Problem::at("page_token", Reason::OutOfLimits, what)
     })
 }

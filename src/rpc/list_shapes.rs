@@ -15,7 +15,7 @@ use crate::{
         question::{read_at, shape_not_found},
         shape::shape_out,
     },
-    problem::{Checked, Problem, Reason, Under},
+    problem::{Checked, Problem, Reason, Under, quoted},
     token::Role,
 };
 
@@ -109,7 +109,7 @@ fn parse_token(token: &str) -> Checked<Option<(Tick, ShapeId)>> {
         Some((tick.parse().ok()?, after))
     });
     parsed.map(Some).ok_or_else(|| {
-        let what = format!("is {token:?}, which no response gave: leave it empty to begin");
+        let what = format!("is {}, which no response gave: leave it empty to begin", quoted(token));
         Problem::at("page_token", Reason::OutOfLimits, what)
     })
 }

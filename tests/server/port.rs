@@ -142,7 +142,9 @@ async fn health_says_serving_and_then_not_serving() {
         watch.message().await.unwrap().unwrap().status(),
         ServingStatus::NotServing
     );
-    drop(watch);
+    // The watch is still open, and must not hold up the stop.
+    let status = watch.message().await.unwrap_err();
+    assert_eq!(status.code(), Code::Unavailable, "{status}");
     stopping.await.unwrap();
 }
 
