@@ -142,3 +142,69 @@ async fn only_the_operator_lists_sessions_page_by_page() {
     let status = without.sessions.list_sessions(request).await.unwrap_err();
     assert_refused(&status, Code::PermissionDenied, "ROLE_TOO_LOW", "", &["operator_token"]);
 }
+
+/// Asks each call with a token, and gives the least role that was not refused for its role.
+macro_rules! least_roles {
+    ($bench:ident, $tokens:ident, $($client:ident.$call:ident($request:expr) needs $role:ident;)*) => {
+        $(
+            let without = $bench.$client.$call($request).await.map(|_| ()).unwrap_err();
+            assert_eq!(without.code(), Code::Unauthenticated, "{} without a token: {without}", stringify!($call));
+            for (role, token) in &$tokens {
+                let answer = $bench.$client.$call(with_token(token, $request)).await.map(|_| ());
+                let refused = answer.is_err_and(|status| status.code() == Code::PermissionDenied);
+                let too_low = (*role as i32) < (pb::Role::$role as i32);
+                assert_eq!(refused, too_low, "{} as {role:?}", stringify!($call));
+            }
+        )*
+    };
+}
+
+#[tokio::test]
+async fn every_call_of_a_session_needs_its_token_and_its_role() {
+    let mut bench = Bench::start().await;
+    let owner = bench.create_session("arena").await.token;
+    let mut tokens = Vec::new();
+    for role in [pb::Role::Reader, pb::Role::Writer, pb::Role::Owner] {
+        tokens.push((role, token(&mut bench, &owner, "arena", role).await.unwrap()));
+    }
+    let session = || "arena".to_owned();
+    least_roles! { bench, tokens,
+        sessions.get_session(get("arena")) needs Owner;
+        sessions.renew_session(pb::RenewSessionRequest { session: session(), ..Default::default() }) needs Owner;
+        sessions.create_token(pb::CreateTokenRequest { session: session(), ..Default::default() }) needs Reader;
+        geometries.create_geometry(pb::CreateGeometryRequest { session: session(), ..Default::default() }) needs Writer;
+        geometries.get_geometry(pb::GetGeometryRequest { session: session(), ..Default::default() }) needs Reader;
+        geometries.list_geometries(pb::ListGeometriesRequest { session: session(), ..Default::default() }) needs Reader;
+        geometries.delete_geometry(pb::DeleteGeometryRequest { session: session(), ..Default::default() }) needs Writer;
+        worlds.edit(edit("arena")) needs Writer;
+        worlds.get_shape(pb::GetShapeRequest { session: session(), ..Default::default() }) needs Reader;
+        worlds.list_shapes(pb::ListShapesRequest { session: session(), ..Default::default() }) needs Reader;
+        worlds.describe_world(pb::DescribeWorldRequest { session: session() }) needs Reader;
+        questions.raycast(ray("arena")) needs Reader;
+        questions.overlap(pb::OverlapRequest { session: session(), ..Default::default() }) needs Reader;
+        questions.penetration(pb::PenetrationRequest { session: session(), ..Default::default() }) needs Reader;
+        questions.time_of_impact(pb::TimeOfImpactRequest { session: session(), ..Default::default() }) needs Reader;
+        questions.distance(pb::DistanceRequest { session: session(), ..Default::default() }) needs Reader;
+        questions.batch(pb::BatchRequest { session: session(), ..Default::default() }) needs Reader;
+        sessions.delete_session(pb::DeleteSessionRequest { session: session() }) needs Owner;
+    }
+    // A stream says so in the stream.
+    let reader = bench.create_session("other").await.token;
+    let reader = token(&mut bench, &reader, "other", pb::Role::Reader).await.unwrap();
+    let hello = pb::EditStreamRequest {
+        session: "other".to_owned(),
+        ..pb::EditStreamRequest::default()
+    };
+    let stream = bench
+        .worlds
+        .edit_stream(with_token(&reader, tokio_stream::once(hello)))
+        .await;
+    let status = stream.unwrap().into_inner().message().await.unwrap_err();
+    assert_refused(
+        &status,
+        Code::PermissionDenied,
+        "ROLE_TOO_LOW",
+        "",
+        &["reader", "writer"],
+    );
+}
