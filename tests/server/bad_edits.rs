@@ -4,12 +4,15 @@ use wire::v1::{self as pb, edit::Op};
 
 use crate::harness::{Bench, Refusal, assert_invalid, at, insert, remove, shape, sphere, vec3};
 
-fn wrong_inserts() -> Vec<(pb::Edit, Refusal)> {
-    let good = || shape(1, sphere(1.0), at(0.0, 0.0, 0.0));
-    let turned = |x, w| pb::Pose {
+fn turned(x: f64, w: f64) -> pb::Pose {
+    pb::Pose {
         position: None,
         rotation: Some(pb::Quat { x, y: 0.0, z: 0.0, w }),
-    };
+    }
+}
+
+fn wrong_inserts() -> Vec<(pb::Edit, Refusal)> {
+    let good = || shape(1, sphere(1.0), at(0.0, 0.0, 0.0));
     vec![
         (pb::Edit::default(), ("MISSING", "edits[0].op", &["insert"])),
         (
