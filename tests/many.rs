@@ -24,6 +24,6 @@ async fn at_every_tick_readers_see_what_was_written() {
     // Session, tick 1; two writers of 120 commits each.
     assert_eq!(seen.last_tick, 241);
     // A reader may miss ticks on a busy machine, but it must have looked often enough for the law to mean something.
-    assert!(seen.tick_count > 60, "{seen:?}");
+    assert!(seen.tick_count > 24, "{seen:?}");
     running.stop().await;
 }

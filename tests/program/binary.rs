@@ -28,13 +28,41 @@ fn command(arguments: &[&str]) -> Command {
 
 /// Runs a command to its end.
 pub(crate) fn run(arguments: &[&str]) -> Said {
-    let Output { status, stdout, stderr } = command(arguments).output().expect("the program can be run");
-    let text = |bytes| String::from_utf8(bytes).expect("the program writes text");
-    Said {
-        code: status.code(),
-        out: text(stdout),
-        err: text(stderr),
+    Said::from(command(arguments).output().expect("the program can be run"))
+}
+
+/// Runs a command that goes on for ever, interrupts it after a while, and waits for its end.
+pub(crate) fn run_interrupted(arguments: &[&str], after: Duration) -> Said {
+    let mut command = command(arguments);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().expect("the program can be run");
+    thread::sleep(after);
+    signal(&child, "INT");
+    Said::from(child.wait_with_output().expect("the program can be waited for"))
+}
+
+impl From<Output> for Said {
+    fn from(Output { status, stdout, stderr }: Output) -> Self {
+        let text = |bytes| String::from_utf8(bytes).expect("the program writes text");
+        Self {
+            code: status.code(),
+            out: text(stdout),
+            err: text(stderr),
+        }
     }
+}
+
+/// Sends a signal, such as `INT`.
+fn signal(child: &Child, name: &str) {
+    // The shell's own kill, because not every system has one as a program.
+    let line = format!("kill -{name} {}", child.id());
+    assert!(
+        Command::new("sh")
+            .args(["-c", &line])
+            .status()
+            .expect("there is a shell")
+            .success()
+    );
 }
 
 /// Runs a command that must succeed, and returns what it printed.
@@ -102,15 +130,7 @@ impl Server {
 
     /// Sends a signal, such as `INT`.
     pub(crate) fn signal(&self, name: &str) {
-        // The shell's own kill, because not every system has one as a program.
-        let line = format!("kill -{name} {}", self.child.id());
-        assert!(
-            Command::new("sh")
-                .args(["-c", &line])
-                .status()
-                .expect("there is a shell")
-                .success()
-        );
+        signal(&self.child, name);
     }
 
     /// Waits for its end; returns its exit code and its log.
