@@ -52,7 +52,8 @@ pub struct Report {
 /// A named writer of a world.
 ///
 /// [`send`](Self::send) adds edits to the open tick, [`commit`](Self::commit) ends it, [`flush`](Self::flush) waits until
-/// all of it is in the world. A second writer of the same name and session replaces the first.
+/// all of it is in the world. A second writer of the same name and session replaces the first. A call whose future is
+/// dropped before it is done has sent nothing.
 ///
 /// ```no_run
 /// # async fn example(client: calipers_client::Client) -> Result<(), calipers_client::Error> {
@@ -201,14 +202,16 @@ impl EditWriter {
                 window: progress.window,
             });
         }
+        // Room is reserved before anything is numbered: a caller that drops this future leaves no gap behind.
+        let Ok(room) = self.messages.reserve().await else {
+            return Err(self.progress.borrow().end.clone().unwrap_or(Error::Closed));
+        };
         message.sequence = sequence;
         if message.commit {
             self.committed_sequence = sequence;
         }
         self.sequence = sequence;
-        if self.messages.send(message).await.is_err() {
-            return Err(self.progress.borrow().end.clone().unwrap_or(Error::Closed));
-        }
+        room.send(message);
         Ok(sequence)
     }
 

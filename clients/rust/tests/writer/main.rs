@@ -221,3 +221,32 @@ async fn a_server_that_lost_the_writer_is_told_apart_from_a_break() {
     };
     assert!(matches!(ended, Error::Forgotten { known: 0, acked: 1 }), "{ended}");
 }
+
+#[tokio::test]
+async fn a_send_that_is_given_up_sends_nothing_and_leaves_no_gap() {
+    let server = BreakingServer::start(Plan {
+        window: 1000,
+        breaks_after: vec![],
+    })
+    .await;
+    let mut writer = writer_on(&server, Duration::from_secs(20)).await;
+    let mut sent = Vec::new();
+    for id in 1..=200 {
+        // Given up at once where it has to wait: nothing yields here, so that the queue fills up.
+        tokio::select! {
+            biased;
+            done = writer.commit([edit::move_to(id, [0.0, 0.0, 0.0])]) => {
+                done.expect("the writer goes on");
+                sent.push(id);
+            }
+            () = std::future::ready(()) => {}
+        }
+    }
+    assert!((1..200).contains(&sent.len()), "{} of 200 were sent", sent.len());
+    let flushed = tokio::time::timeout(Duration::from_secs(10), writer.flush()).await;
+    flushed
+        .expect("nothing is waited for in vain")
+        .expect("all of it arrives");
+    let applied: Vec<u64> = server.ticks().iter().flat_map(|tick| ids_of(tick)).collect();
+    assert_eq!(applied, sent);
+}
