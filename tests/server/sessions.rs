@@ -185,15 +185,15 @@ async fn a_session_ends_with_its_lease_unless_calls_renew_it() {
     let mut bench = Bench::start().await;
     let request = pb::CreateSessionRequest {
         session: "short".to_owned(),
-        lease: Some(seconds(1)),
+        lease: Some(seconds(2)),
         ..pb::CreateSessionRequest::default()
     };
     let owner = bench.sessions.create_session(request).await.unwrap().into_inner().token;
     for _ in 0..3 {
-        tokio::time::sleep(Duration::from_millis(500)).await;
+        tokio::time::sleep(Duration::from_millis(800)).await;
         bench.questions.raycast(with_token(&owner, ray("short"))).await.unwrap();
     }
-    tokio::time::sleep(Duration::from_millis(1400)).await;
+    tokio::time::sleep(Duration::from_millis(2600)).await;
     let status = bench
         .questions
         .raycast(with_token(&owner, ray("short")))
