@@ -54,6 +54,17 @@ pub const PAIR_ROUNDING: f64 = 128.0 * ROUNDING;
 /// the oracle sets (the conformance runner), near-parallel edges above all.
 pub const AXIS_LEAN: f64 = 4.0 * PAIR_ROUNDING;
 
+/// How far the product of two unit vectors may be from 0 and still leave open on which side of an arc of the Gauss map a
+/// face normal lies: both vectors are right to 4 roundings in each component and the sum of three products adds 3. Smaller,
+/// and the edge pair of least depth might be passed over; larger, and more pairs are measured in full. Pinned by the
+/// conformance runner, parallel and identical boxes above all.
+pub const ARC_DOUBT: f64 = 16.0 * ROUNDING;
+
+/// Shortens each step of an advancement, so that the quotient's rounding and the sum's never take it past the plane that
+/// proved it free. Nearer to 1 it is no proof; farther from it steps are added. Pinned by
+/// `an_impact_lies_between_a_free_and_a_touching_instant` in `tests/convex/laws.rs`.
+pub const STEP_SHORTENING: f64 = 1.0 - 16.0 * ROUNDING;
+
 /// Sine of the angle within which a face counts as lying flat on the other shape, when contact points are chosen. Larger,
 /// and tilted faces get points of a touch they do not have; smaller, and the rounding of a normal splits a resting face
 /// into single points. It changes which points are shown, never a depth. Pinned by `tests/convex/contact.rs`.

@@ -8,7 +8,8 @@ use collision::{
     answer::{Certificate, Verdict, Work},
     math::Pose,
     narrow::{
-        ImpactTouch, InitialTouch, Motion, NeedsDecomposition, Placed, distance, linear_impact, overlap, penetration,
+        ImpactTouch, InitialTouch, Motion, NeedsDecomposition, Placed, Separation, distance, linear_impact, overlap,
+        penetration,
     },
     shape::Geometry,
 };
@@ -79,33 +80,8 @@ fn questions_about_a_form_and_a_mesh_agree_with_each_other_and_with_its_triangle
         let body = at(&form, other);
         let context = || format!("{form:?} at {other:?}, soup {round} at {place:?}");
 
-        let found = distance(body, mesh, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
-        let swapped = distance(mesh, body, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
-        assert_eq!(found.distance.to_bits(), swapped.distance.to_bits(), "{}", context());
-        assert_eq!(
-            (found.point_on_a, found.feature_b),
-            (swapped.point_on_b, swapped.feature_a),
-            "{}",
-            context()
-        );
-        assert_eq!(found.certificate, swapped.certificate, "{}", context());
-        let apart: Vec<f64> = triangles
-            .iter()
-            .map(|triangle| distance(body, at(triangle, place), f64::INFINITY, &EXACT, &mut work()).expect("no limit"))
-            .map(|found| found.distance)
-            .collect();
-        let least = apart.iter().copied().fold(f64::INFINITY, f64::min);
-        assert_eq!(found.distance, least, "{}", context());
-        let face = found.feature_b.face.expect("a face") as usize;
-        assert_eq!(apart[face], least, "{}", context());
-        assert_eq!(
-            apart.iter().position(|&distance| distance == least),
-            Some(face),
-            "{}",
-            context()
-        );
-        assert!(found.certificate.bound.contains(least), "{}", context());
-
+        let (found, apart) = check_distance(body, mesh, &triangles, &context);
+        let least = found.distance;
         let touching = overlap(body, mesh, &EXACT, &mut work());
         assert_eq!(
             touching.verdict,
@@ -127,20 +103,62 @@ fn questions_about_a_form_and_a_mesh_agree_with_each_other_and_with_its_triangle
             Verdict::Undecided => assert!(least < 1e-12 * far, "{}", context()),
         }
 
-        let gap = 0.1;
-        let contacts = penetration(body, mesh, gap, &EXACT, &mut work()).expect("one mesh");
-        let faces: Vec<u32> = contacts.iter().filter_map(|contact| contact.feature_b.face).collect();
-        let expected: Vec<u32> = (0..)
-            .zip(&apart)
-            .filter(|&(_, &apart)| apart <= gap)
-            .map(|(face, _)| face)
-            .collect();
-        assert_eq!(faces, expected, "{}", context());
-        let swapped = penetration(mesh, body, gap, &EXACT, &mut work()).expect("one mesh");
-        let faces: Vec<u32> = swapped.iter().filter_map(|contact| contact.feature_a.face).collect();
-        assert_eq!(faces, expected, "{}", context());
+        check_contacts(body, mesh, &apart, &context);
     }
     assert!(hits > 120 && misses > 120, "{hits} hits, {misses} misses");
+}
+
+/// The distance to a mesh is the least of those to its triangles, and the same both ways.
+fn check_distance(
+    body: Placed<'_>,
+    mesh: Placed<'_>,
+    triangles: &[Geometry],
+    context: &dyn Fn() -> String,
+) -> (Separation, Vec<f64>) {
+    let found = distance(body, mesh, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
+    let swapped = distance(mesh, body, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
+    assert_eq!(found.distance.to_bits(), swapped.distance.to_bits(), "{}", context());
+    assert_eq!(
+        (found.point_on_a, found.feature_b),
+        (swapped.point_on_b, swapped.feature_a),
+        "{}",
+        context()
+    );
+    assert_eq!(found.certificate, swapped.certificate, "{}", context());
+    let apart: Vec<f64> = triangles
+        .iter()
+        .map(|triangle| distance(body, at(triangle, mesh.pose), f64::INFINITY, &EXACT, &mut work()).expect("no limit"))
+        .map(|found| found.distance)
+        .collect();
+    let least = apart.iter().copied().fold(f64::INFINITY, f64::min);
+    assert_eq!(found.distance, least, "{}", context());
+    let face = found.feature_b.face.expect("a face") as usize;
+    assert_eq!(apart[face], least, "{}", context());
+    assert_eq!(
+        apart.iter().position(|&distance| distance == least),
+        Some(face),
+        "{}",
+        context()
+    );
+    assert!(found.certificate.bound.contains(least), "{}", context());
+
+    (found, apart)
+}
+
+/// Contacts are with the triangles within the gap, and the same both ways.
+fn check_contacts(body: Placed<'_>, mesh: Placed<'_>, apart: &[f64], context: &dyn Fn() -> String) {
+    let gap = 0.1;
+    let contacts = penetration(body, mesh, gap, &EXACT, &mut work()).expect("one mesh");
+    let faces: Vec<u32> = contacts.iter().filter_map(|contact| contact.feature_b.face).collect();
+    let expected: Vec<u32> = (0..)
+        .zip(apart)
+        .filter(|&(_, &apart)| apart <= gap)
+        .map(|(face, _)| face)
+        .collect();
+    assert_eq!(faces, expected, "{}", context());
+    let swapped = penetration(mesh, body, gap, &EXACT, &mut work()).expect("one mesh");
+    let faces: Vec<u32> = swapped.iter().filter_map(|contact| contact.feature_a.face).collect();
+    assert_eq!(faces, expected, "{}", context());
 }
 
 /// Balls that touch a face of a turned box of triangles in one point, exactly: the poses are whole numbers.

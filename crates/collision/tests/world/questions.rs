@@ -265,30 +265,7 @@ fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> V
         }
         Question::Penetration(penetration) => {
             let found = snapshot.penetration(penetration, filter, &ACCURACY, meter);
-            let expected = match brute.contacts(penetration) {
-                Ok(expected) => expected,
-                Err(id) => {
-                    assert_eq!(
-                        found.expect_err("two meshes"),
-                        QuestionError::NeedsDecomposition(Some(id))
-                    );
-                    return Verdict::Undecided;
-                }
-            };
-            let found = found.expect("an answer");
-            let list = found
-                .hits
-                .iter()
-                .map(|hit| (-hit.depth, hit.id.expect("a shape")))
-                .collect();
-            assert_eq!(found.truncated, expected.len() > penetration.max_contacts);
-            assert_same(
-                &list,
-                &expected[..expected.len().min(penetration.max_contacts)],
-                length,
-                question,
-            );
-            found.verdict
+            compare_contacts(found, brute, penetration, question)
         }
         Question::Distance(distance) => {
             let found = snapshot
@@ -306,6 +283,39 @@ fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> V
             found.verdict
         }
     }
+}
+
+fn compare_contacts(
+    found: Result<Found<collision::world::Contact>, QuestionError>,
+    brute: &mut Brute<'_>,
+    asked: &Penetration,
+    question: &Question,
+) -> Verdict {
+    let length = rounding(brute.frame) * brute.frame.scale;
+    let expected = match brute.contacts(asked) {
+        Ok(expected) => expected,
+        Err(id) => {
+            assert_eq!(
+                found.expect_err("two meshes"),
+                QuestionError::NeedsDecomposition(Some(id))
+            );
+            return Verdict::Undecided;
+        }
+    };
+    let found = found.expect("an answer");
+    let list = found
+        .hits
+        .iter()
+        .map(|hit| (-hit.depth, hit.id.expect("a shape")))
+        .collect();
+    assert_eq!(found.truncated, expected.len() > asked.max_contacts);
+    assert_same(
+        &list,
+        &expected[..expected.len().min(asked.max_contacts)],
+        length,
+        question,
+    );
+    found.verdict
 }
 
 fn compare_in(frame: Frame) {

@@ -26,7 +26,7 @@ use crate::{
     answer::Stop,
     math::{exact, try_unit},
     shape::{Core, Hull, Span},
-    tolerance::{AXIS_LEAN, PAIR_ROUNDING, ROUNDING},
+    tolerance::{ARC_DOUBT, AXIS_LEAN, PAIR_ROUNDING},
 };
 
 /// Most edge pairs, and most corners under all face axes, that are looked at: some 50 ms.
@@ -183,10 +183,9 @@ fn crossing_edges(best: &mut Best<'_>, a: &Outline, b: &Outline) {
 
 /// Whether the arc of one edge's normals may cross the (mirrored) arc of the other's; doubt counts as yes.
 fn arcs_may_cross(on_a: &Edge, on_b: &Edge) -> bool {
-    const DOUBT: f64 = 16.0 * ROUNDING;
     let is_split = |[p, q]: [DVec3; 2], pole: DVec3| {
         let (p, q) = (p.dot(pole), q.dot(pole));
-        !(p > DOUBT && q > DOUBT || p < -DOUBT && q < -DOUBT)
+        !(p > ARC_DOUBT && q > ARC_DOUBT || p < -ARC_DOUBT && q < -ARC_DOUBT)
     };
     is_split(on_b.sides, on_a.along) && is_split(on_a.sides, on_b.along)
 }

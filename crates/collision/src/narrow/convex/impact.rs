@@ -18,7 +18,7 @@ use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
     narrow::{ImpactTouch, InitialTouch, Motion},
-    tolerance::PAIR_ROUNDING,
+    tolerance::{PAIR_ROUNDING, STEP_SHORTENING},
 };
 
 /// The first touch of `a` and `b` in motion; `None` is a proof that the way is free, or that it is so after an initial
@@ -140,7 +140,7 @@ impl<'a> Search<'a> {
                 return Step::Free;
             }
             // What is left is rounded down, so that the way up to there is surely free.
-            let next = time + free / closing * (1.0 - 8.0 * f64::EPSILON);
+            let next = time + free / closing * STEP_SHORTENING;
             if free > 2.0 * PAIR_ROUNDING && next > time && self.iterations < self.budget {
                 return Step::FreeUntil(next);
             }
