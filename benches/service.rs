@@ -32,17 +32,11 @@ fn main() -> Result<(), Failure> {
     if !std::env::args().any(|flag| flag == "--bench") {
         return Ok(());
     }
-    tokio::runtime::Builder::new_multi_thread()
-        .enable_all()
-        .build()?
-        .block_on(run())
+    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(run())
 }
 
 async fn run() -> Result<(), Failure> {
-    let settings = Settings {
-        listen: "127.0.0.1:0".parse()?,
-        ..Settings::default()
-    };
+    let settings = Settings { listen: "127.0.0.1:0".parse()?, ..Settings::default() };
     let running = serve::start(settings).await?;
     let client = Client::connect(&running.local_addr().to_string()).await?;
     let mut dice = Dice(7);
@@ -54,33 +48,20 @@ async fn run() -> Result<(), Failure> {
         hit_count += usize::from(!client.raycast(ray.clone()).await?.hits.is_empty());
     }
     let mut out = stdout();
-    writeln!(
-        out,
-        "{SHAPE_COUNT} shapes in a cube of {side:.1} m; {} % of the rays hit",
-        hit_count / 10
-    )?;
+    writeln!(out, "{SHAPE_COUNT} shapes in a cube of {side:.1} m; {} % of the rays hit", hit_count / 10)?;
     for in_flight in [1, 16] {
         let mut times = unary(&client, &rays, in_flight).await?;
         let rate = times.len() as f64 / MEASURED.as_secs_f64();
         times.sort_unstable();
         let at = |share: f64| times[(share * (times.len() - 1) as f64) as usize].as_secs_f64() * 1e6;
         let (p50, p99) = (at(0.5), at(0.99));
-        writeln!(
-            out,
-            "unary raycast, {in_flight:2} in flight: {rate:9.0}/s  p50 {p50:7.0} µs  p99 {p99:7.0} µs"
-        )?;
+        writeln!(out, "unary raycast, {in_flight:2} in flight: {rate:9.0}/s  p50 {p50:7.0} µs  p99 {p99:7.0} µs")?;
     }
     let (batches, p50) = batched(&client, &rays).await?;
     let rays_rate = batches * BATCH as f64;
-    writeln!(
-        out,
-        "batch of {BATCH} raycasts:   {rays_rate:9.0} rays/s  {batches:.0} batches/s  p50 {p50:.2} ms"
-    )?;
+    writeln!(out, "batch of {BATCH} raycasts:   {rays_rate:9.0} rays/s  {batches:.0} batches/s  p50 {p50:.2} ms")?;
     let (edits, ticks) = streamed(&client, side, &mut dice).await?;
-    writeln!(
-        out,
-        "edit stream, {MOVES} moves a tick: {edits:9.0} moves/s  {ticks:.0} ticks/s"
-    )?;
+    writeln!(out, "edit stream, {MOVES} moves a tick: {edits:9.0} moves/s  {ticks:.0} ticks/s")?;
     running.stop().await;
     Ok(())
 }
@@ -104,19 +85,14 @@ async fn fill(client: &Client, dice: &mut Dice) -> Result<f64, Failure> {
             _ => {
                 let radius = 0.5 * half(dice);
                 let half_height = half(dice) - 0.09;
-                (
-                    shape::capsule(id, half_height, radius),
-                    (TAU * half_height + SPHERE * radius) * radius.powi(2),
-                )
+                (shape::capsule(id, half_height, radius), (TAU * half_height + SPHERE * radius) * radius.powi(2))
             }
         };
         volume += size;
         shapes.push(form);
     }
     let side = (volume / 0.05).cbrt();
-    let inserts = shapes
-        .into_iter()
-        .map(|form| form.at(dice.point(side)).rotated(dice.rotation()).insert());
+    let inserts = shapes.into_iter().map(|form| form.at(dice.point(side)).rotated(dice.rotation()).insert());
     client.edit(inserts.collect::<Vec<_>>()).await?;
     Ok(side)
 }

@@ -27,9 +27,7 @@ const FIRST_MOVING_ID: u64 = 10_000;
 
 #[tokio::main]
 async fn main() -> Result<(), Box<dyn Error>> {
-    let address = std::env::args()
-        .nth(1)
-        .unwrap_or_else(|| "http://127.0.0.1:7070".to_owned());
+    let address = std::env::args().nth(1).unwrap_or_else(|| "http://127.0.0.1:7070".to_owned());
     let client = Client::connect(&address).await?;
     let mut questions = Vec::new();
     for [x, z] in places() {
@@ -78,16 +76,9 @@ fn drawing(answers: &[proto::Answer]) -> Result<String, std::fmt::Error> {
             continue;
         };
         writeln!(svg, r#"<path d="M{x} {z}L{:.2} {:.2}"/>"#, point.x, point.z)?;
-        let dots = if hit.id >= FIRST_MOVING_ID {
-            &mut moving
-        } else {
-            &mut still
-        };
+        let dots = if hit.id >= FIRST_MOVING_ID { &mut moving } else { &mut still };
         writeln!(dots, r#"<circle cx="{:.2}" cy="{:.2}" r="0.12"/>"#, point.x, point.z)?;
     }
-    writeln!(
-        svg,
-        "</g>\n<g fill=\"#2b3a4a\">\n{still}</g>\n<g fill=\"#d1442f\">\n{moving}</g>\n</svg>"
-    )?;
+    writeln!(svg, "</g>\n<g fill=\"#2b3a4a\">\n{still}</g>\n<g fill=\"#d1442f\">\n{moving}</g>\n</svg>")?;
     Ok(svg)
 }

@@ -53,33 +53,20 @@ pub(crate) struct Seen {
 
 #[tokio::main]
 async fn main() -> Result<(), Failure> {
-    let plan = Plan {
-        commit_count: 300,
-        rate: 30.0,
-    };
+    let plan = Plan { commit_count: 300, rate: 30.0 };
     let mut out = std::io::stdout();
     let (address, own) = match std::env::args().nth(1) {
         Some(address) => (address, None),
         None => {
-            let settings = calipers::config::Settings {
-                listen: "127.0.0.1:0".parse()?,
-                ..Default::default()
-            };
+            let settings = calipers::config::Settings { listen: "127.0.0.1:0".parse()?, ..Default::default() };
             let running = calipers::serve::start(settings).await?;
             (running.local_addr().to_string(), Some(running))
         }
     };
     writeln!(out, "two writers at {} Hz and three readers on {address}", plan.rate)?;
-    let Seen {
-        answer_count,
-        tick_count,
-        last_tick,
-    } = run(&address, plan).await?;
+    let Seen { answer_count, tick_count, last_tick } = run(&address, plan).await?;
     writeln!(out, "{answer_count} answers, every one in step with what was written")?;
-    writeln!(
-        out,
-        "each reader saw {tick_count} ticks at least, and all of them the last, {last_tick}"
-    )?;
+    writeln!(out, "each reader saw {tick_count} ticks at least, and all of them the last, {last_tick}")?;
     if let Some(running) = own {
         running.stop().await;
     }
@@ -91,10 +78,7 @@ async fn main() -> Result<(), Failure> {
 /// # Errors
 /// What the server refuses, and the first answer that is out of step.
 pub(crate) async fn run(address: &str, plan: Plan) -> Result<Seen, Failure> {
-    let owner = Client::connect(address)
-        .await?
-        .open_session(proto::CreateSessionRequest::default())
-        .await?;
+    let owner = Client::connect(address).await?.open_session(proto::CreateSessionRequest::default()).await?;
     let began = owner.describe_world(proto::DescribeWorldRequest::default()).await?.tick;
     let mut writers = JoinSet::new();
     for (index, name) in WRITERS.into_iter().enumerate() {
@@ -109,17 +93,9 @@ pub(crate) async fn run(address: &str, plan: Plan) -> Result<Seen, Failure> {
     while let Some(done) = writers.join_next().await {
         done??;
     }
-    let mut seen = Seen {
-        answer_count: 0,
-        tick_count: u64::MAX,
-        last_tick: end,
-    };
+    let mut seen = Seen { answer_count: 0, tick_count: u64::MAX, last_tick: end };
     while let Some(done) = readers.join_next().await {
-        let Seen {
-            answer_count,
-            tick_count,
-            ..
-        } = done??;
+        let Seen { answer_count, tick_count, .. } = done??;
         seen.answer_count += answer_count;
         seen.tick_count = seen.tick_count.min(tick_count);
     }
@@ -129,15 +105,9 @@ pub(crate) async fn run(address: &str, plan: Plan) -> Result<Seen, Failure> {
 
 /// A client with a connection of its own, which may do no more than its role.
 async fn guest(address: &str, owner: &Client, role: proto::Role) -> Result<Client, Failure> {
-    let request = proto::CreateTokenRequest {
-        role: role.into(),
-        ..Default::default()
-    };
+    let request = proto::CreateTokenRequest { role: role.into(), ..Default::default() };
     let token = owner.create_token(request).await?.token;
-    let client = Client::connect(address)
-        .await?
-        .with_session(owner.session())
-        .with_deadline(Duration::from_secs(10));
+    let client = Client::connect(address).await?.with_session(owner.session()).with_deadline(Duration::from_secs(10));
     Ok(client.with_token(&token)?)
 }
 
@@ -200,10 +170,7 @@ async fn read(client: Client, began: u64, end: u64) -> Result<Seen, Failure> {
 
 /// Lists all shapes, and holds their positions to what was written.
 async fn check_places(client: &Client, min_tick: u64, began: u64) -> Result<u64, Failure> {
-    let request = proto::ListShapesRequest {
-        read_at: ask::seeing_tick(min_tick).read_at,
-        ..Default::default()
-    };
+    let request = proto::ListShapesRequest { read_at: ask::seeing_tick(min_tick).read_at, ..Default::default() };
     let answer = client.list_shapes(request).await?;
     let tick = answer.info.ok_or("the answer names no tick")?.tick;
     let mut steps = [0; WRITERS.len()];
@@ -254,11 +221,7 @@ async fn check_distances(client: &Client, min_tick: u64, began: u64) -> Result<u
             other => return Err(format!("tick {tick}: {other:?} is no distance").into()),
         };
         if *commits[writer as usize].get_or_insert(commit) != commit {
-            return Err(format!(
-                "tick {tick}: shape {} is {commit} steps on, its row is not",
-                id(writer, place)
-            )
-            .into());
+            return Err(format!("tick {tick}: shape {} is {commit} steps on, its row is not", id(writer, place)).into());
         }
     }
     let whole = |commit: Option<f64>| commit.unwrap_or_default();

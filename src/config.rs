@@ -248,9 +248,7 @@ impl Settings {
         replace(&mut self.listen, layer.listen);
         replace(
             &mut self.insecure,
-            layer
-                .insecure
-                .map(|allowed| if allowed { Insecure::Allowed } else { Insecure::Refused }),
+            layer.insecure.map(|allowed| if allowed { Insecure::Allowed } else { Insecure::Refused }),
         );
         if layer.operator_token.is_some() {
             self.operator_token = layer.operator_token;
@@ -274,19 +272,12 @@ fn replace<T>(setting: &mut T, given: Option<T>) {
 }
 
 fn out_of_range(setting: &'static str, found: impl ToString, allowed: &'static str) -> ConfigError {
-    ConfigError::OutOfRange {
-        setting,
-        found: found.to_string(),
-        allowed,
-    }
+    ConfigError::OutOfRange { setting, found: found.to_string(), allowed }
 }
 
 fn read_layer(path: PathBuf) -> Result<Layer, ConfigError> {
     match fs::read_to_string(&path) {
-        Ok(text) => toml::from_str(&text).map_err(|source| ConfigError::Parse {
-            path,
-            source: Box::new(source),
-        }),
+        Ok(text) => toml::from_str(&text).map_err(|source| ConfigError::Parse { path, source: Box::new(source) }),
         Err(source) => Err(ConfigError::Read { path, source }),
     }
 }
@@ -298,17 +289,10 @@ mod tests {
     #[test]
     fn flags_win_over_the_file_and_the_file_over_defaults() {
         let path = std::env::temp_dir().join(format!("calipers-settings-{}.toml", std::process::id()));
-        fs::write(
-            &path,
-            "max_sessions = 7\nsession_shapes = 9\ndefault_session = \"off\"\n",
-        )
-        .unwrap();
+        fs::write(&path, "max_sessions = 7\nsession_shapes = 9\ndefault_session = \"off\"\n").unwrap();
         let settings = Settings::load(SettingArgs {
             config: Some(path.clone()),
-            layer: Layer {
-                max_sessions: Some(3),
-                ..Layer::default()
-            },
+            layer: Layer { max_sessions: Some(3), ..Layer::default() },
         })
         .unwrap();
         fs::remove_file(path).unwrap();
@@ -322,10 +306,7 @@ mod tests {
     fn a_misspelt_setting_in_the_file_is_refused_by_name() {
         let path = std::env::temp_dir().join(format!("calipers-misspelt-{}.toml", std::process::id()));
         fs::write(&path, "max_session = 7\n").unwrap();
-        let args = SettingArgs {
-            config: Some(path.clone()),
-            ..SettingArgs::default()
-        };
+        let args = SettingArgs { config: Some(path.clone()), ..SettingArgs::default() };
         let message = Settings::load(args).unwrap_err().to_string();
         fs::remove_file(path).unwrap();
         assert!(message.contains("max_session"), "{message}");
@@ -333,29 +314,18 @@ mod tests {
 
     #[test]
     fn beyond_loopback_needs_insecure() {
-        let mut settings = Settings {
-            listen: "0.0.0.0:7070".parse().unwrap(),
-            ..Settings::default()
-        };
+        let mut settings = Settings { listen: "0.0.0.0:7070".parse().unwrap(), ..Settings::default() };
         let message = settings.check().unwrap_err().to_string();
         assert!(message.contains("--insecure"), "{message}");
         settings.insecure = Insecure::Allowed;
         settings.check().unwrap();
-        assert!(
-            !settings.has_default_session(),
-            "an open session is for loopback only unless asked for"
-        );
+        assert!(!settings.has_default_session(), "an open session is for loopback only unless asked for");
     }
 
     #[test]
     fn a_lease_beyond_the_range_is_refused() {
-        let layer = Layer {
-            default_lease_s: Some(0),
-            ..Layer::default()
-        };
-        let message = Settings::load(SettingArgs { config: None, layer })
-            .unwrap_err()
-            .to_string();
+        let layer = Layer { default_lease_s: Some(0), ..Layer::default() };
+        let message = Settings::load(SettingArgs { config: None, layer }).unwrap_err().to_string();
         assert!(message.contains("default_lease_s is 0"), "{message}");
     }
 }

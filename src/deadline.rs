@@ -18,10 +18,7 @@ impl Deadline {
     /// The deadline of a call that comes in now. A header that cannot be read counts as none, as gRPC demands of servers
     /// that want to be lenient.
     pub(crate) fn of(headers: &HeaderMap) -> Self {
-        let timeout = headers
-            .get("grpc-timeout")
-            .and_then(|value| value.to_str().ok())
-            .and_then(parse);
+        let timeout = headers.get("grpc-timeout").and_then(|value| value.to_str().ok()).and_then(parse);
         let timeout = timeout.map(|timeout| timeout - (timeout / 20).min(WAY_BACK_MAX));
         Self(timeout.and_then(|timeout| Instant::now().checked_add(timeout)))
     }

@@ -45,11 +45,7 @@ impl Gate {
     /// aborts.
     pub(crate) fn new(limit: usize, stop: Stop) -> Self {
         let limit = limit.min(Semaphore::MAX_PERMITS);
-        Self {
-            in_flight: Semaphore::new(limit),
-            limit,
-            stop,
-        }
+        Self { in_flight: Semaphore::new(limit), limit, stop }
     }
 
     async fn admit(&self) -> Checked<SemaphorePermit<'_>> {
@@ -58,9 +54,7 @@ impl Gate {
             Ok(Err(_)) | Err(_) => {
                 let limit = self.limit;
                 let what = format!("the server is at its limit of {limit} calls at a time: try again a little later");
-                Err(Problem::new(Reason::Overloaded, what)
-                    .with("quota", "max_in_flight")
-                    .with("limit", limit))
+                Err(Problem::new(Reason::Overloaded, what).with("quota", "max_in_flight").with("limit", limit))
             }
         }
     }
@@ -89,11 +83,7 @@ pub(crate) async fn pass(State(gate): State<Arc<Gate>>, mut request: Request, ne
         () = deadline.passed() => Err(Deadline::problem()),
         () = gate.stop.abort.cancelled() => Err(Problem::new(Reason::Stopping, "the server has stopped")),
     };
-    tracing::debug!(
-        call = uri.path(),
-        elapsed_us = began.elapsed().as_micros(),
-        refused = answered.is_err()
-    );
+    tracing::debug!(call = uri.path(), elapsed_us = began.elapsed().as_micros(), refused = answered.is_err());
     match answered {
         Ok(response) if uri.path().starts_with(OWN) => with_the_code_of_a_quota(response),
         Ok(response) => {

@@ -55,10 +55,7 @@ impl Held {
 
     /// Counts what they hold now. Costs a pass over all of them.
     fn count_bytes(&mut self) -> u64 {
-        let in_place = self
-            .in_place
-            .iter()
-            .filter(|(id, _)| !self.registered.contains_key(*id));
+        let in_place = self.in_place.iter().filter(|(id, _)| !self.registered.contains_key(*id));
         let in_place = in_place.filter_map(|(_, geometry)| geometry.upgrade());
         let in_place: u64 = in_place.map(|geometry| geometry.memory_bytes()).sum();
         let registered: u64 = self.registered.values().map(|geometry| geometry.memory_bytes()).sum();
@@ -79,19 +76,14 @@ impl Held {
             "the session would hold about {used} bytes and may hold {quota_bytes}: remove shapes, delete geometries, or \
              raise session_memory_bytes"
         );
-        Err(Problem::new(Reason::QuotaExceeded, what)
-            .with("quota", "session_memory_bytes")
-            .with("limit", quota_bytes))
+        Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "session_memory_bytes").with("limit", quota_bytes))
     }
 }
 
 impl Geometries {
     /// None yet; all of them and the shapes together may take `quota_bytes`.
     pub(crate) fn new(quota_bytes: u64) -> Self {
-        Self {
-            held: Mutex::default(),
-            quota_bytes,
-        }
+        Self { held: Mutex::default(), quota_bytes }
     }
 
     /// Registers a geometry; the one that is kept, if there is an equal one.
@@ -205,7 +197,5 @@ pub(crate) fn parse_id(text: &str) -> Option<GeometryId> {
 }
 
 fn shape_bytes(shape_count: usize) -> u64 {
-    u64::try_from(shape_count)
-        .unwrap_or(u64::MAX)
-        .saturating_mul(SHAPE_BYTES)
+    u64::try_from(shape_count).unwrap_or(u64::MAX).saturating_mul(SHAPE_BYTES)
 }

@@ -24,13 +24,7 @@ struct State {
 impl Lease {
     /// A lease that begins now.
     pub(crate) fn new(length: Option<Duration>) -> Self {
-        Self {
-            state: Mutex::new(State {
-                length,
-                last_call: Instant::now(),
-            }),
-            open_streams: AtomicUsize::new(0),
-        }
+        Self { state: Mutex::new(State { length, last_call: Instant::now() }), open_streams: AtomicUsize::new(0) }
     }
 
     /// Notes a call, with a new length if there is one.

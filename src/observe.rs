@@ -27,10 +27,8 @@ pub enum ObserveError {
 /// # Errors
 /// A filter that is not understood; logging was started before.
 pub fn start(settings: &Settings) -> Result<(), ObserveError> {
-    let filter = EnvFilter::try_new(&settings.log_filter).map_err(|source| ObserveError::Filter {
-        found: settings.log_filter.clone(),
-        source,
-    })?;
+    let filter = EnvFilter::try_new(&settings.log_filter)
+        .map_err(|source| ObserveError::Filter { found: settings.log_filter.clone(), source })?;
     let lines = fmt().with_env_filter(filter).with_writer(io::stderr);
     let for_people = match settings.log_format {
         LogFormat::Auto => io::stderr().is_terminal(),

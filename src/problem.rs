@@ -99,13 +99,7 @@ impl Problem {
 
     /// A problem of a field; `what` goes on after its name.
     pub(crate) fn at(field: impl Into<String>, reason: Reason, what: impl Into<String>) -> Self {
-        Self {
-            reason,
-            field: field.into(),
-            what: what.into(),
-            shape_id: 0,
-            more: Vec::new(),
-        }
+        Self { reason, field: field.into(), what: what.into(), shape_id: 0, more: Vec::new() }
     }
 
     /// Whether it is of this kind.
@@ -174,11 +168,8 @@ impl From<Problem> for Status {
     fn from(problem: Problem) -> Self {
         let (code, name) = problem.reason.code_and_name();
         let message = problem.message();
-        let mut more: HashMap<String, String> = problem
-            .more
-            .into_iter()
-            .map(|(name, value)| (name.to_owned(), value))
-            .collect();
+        let mut more: HashMap<String, String> =
+            problem.more.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
         if problem.shape_id != 0 {
             more.insert("shape_id".to_owned(), problem.shape_id.to_string());
         }
@@ -231,18 +222,11 @@ mod tests {
 
     #[test]
     fn the_field_grows_from_the_inside_out_and_stands_in_message_and_details() {
-        let inner: Checked<()> = Err(Problem::at(
-            "x",
-            Reason::NotFinite,
-            "is NaN: it must be a finite number",
-        ));
+        let inner: Checked<()> = Err(Problem::at("x", Reason::NotFinite, "is NaN: it must be a finite number"));
         let outer = inner.under("insert.pose.position").under_item("edits", 3);
         let status = Status::from(outer.unwrap_err());
         assert_eq!(status.code(), Code::InvalidArgument);
-        assert_eq!(
-            status.message(),
-            "edits[3].insert.pose.position.x is NaN: it must be a finite number"
-        );
+        assert_eq!(status.message(), "edits[3].insert.pose.position.x is NaN: it must be a finite number");
         let details = status.get_error_details();
         let violation = &details.bad_request().unwrap().field_violations[0];
         assert_eq!(violation.field, "edits[3].insert.pose.position.x");

@@ -56,16 +56,11 @@ impl Registry {
             operator: settings.operator_token.as_deref().map(TokenHash::of),
             sessions: RwLock::default(),
             created: Mutex::default(),
-            waiting: Arc::new(Semaphore::new(
-                (settings.max_in_flight / 2).clamp(1, Semaphore::MAX_PERMITS),
-            )),
+            waiting: Arc::new(Semaphore::new((settings.max_in_flight / 2).clamp(1, Semaphore::MAX_PERMITS))),
             settings,
         };
         if registry.settings.has_default_session() {
-            registry
-                .sessions
-                .write()
-                .insert(DEFAULT.to_owned(), registry.open_session()?);
+            registry.sessions.write().insert(DEFAULT.to_owned(), registry.open_session()?);
         }
         Ok(registry)
     }
@@ -78,11 +73,7 @@ impl Registry {
         let session = self.find(name)?;
         let role = session.role_of(token)?;
         if role < least {
-            let what = format!(
-                "the token's role is {}, and this call needs {}",
-                role.name(),
-                least.name()
-            );
+            let what = format!("the token's role is {}, and this call needs {}", role.name(), least.name());
             return Err(Problem::new(Reason::RoleTooLow, what));
         }
         session.lease.renew(None);
@@ -119,11 +110,7 @@ impl Registry {
         if let Some(first) = created.find(retry.as_ref(), now)? {
             return Ok(first);
         }
-        let id = if wish.is_empty() {
-            self.choose_id()?
-        } else {
-            checked_id(wish)?
-        };
+        let id = if wish.is_empty() { self.choose_id()? } else { checked_id(wish)? };
         let mut tokens = Tokens::default();
         let token = tokens.create(Role::Owner)?;
         let lease = lease.unwrap_or(self.settings.default_lease);
@@ -137,9 +124,7 @@ impl Registry {
         let limit = self.settings.max_sessions;
         if sessions.len() >= limit {
             let what = format!("the server has {limit} sessions, which is the most it may have: delete one first");
-            return Err(Problem::new(Reason::QuotaExceeded, what)
-                .with("quota", "max_sessions")
-                .with("limit", limit));
+            return Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "max_sessions").with("limit", limit));
         }
         sessions.insert(id, session.clone());
         let answer = Created { session, token };
@@ -199,12 +184,7 @@ impl Registry {
 
     fn find(&self, name: &str) -> Checked<Arc<Session>> {
         let wanted = if name.is_empty() { DEFAULT } else { name };
-        let found = self
-            .sessions
-            .read()
-            .get(wanted)
-            .filter(|session| !session.lease.is_over())
-            .cloned();
+        let found = self.sessions.read().get(wanted).filter(|session| !session.lease.is_over()).cloned();
         found.ok_or_else(|| {
             let what = if name.is_empty() {
                 "is empty, which means \"default\", and this server has no such session: name the one that CreateSession \

@@ -33,10 +33,8 @@ impl RetryKey {
             let what = format!("has {} bytes: at most {ID_BYTES} are allowed", request_id.len());
             return Err(Problem::at("request_id", Reason::OutOfLimits, what));
         }
-        Ok((!request_id.is_empty()).then(|| Self {
-            id: request_id.to_owned(),
-            content: *blake3::hash(&request.encode_to_vec()).as_bytes(),
-        }))
+        Ok((!request_id.is_empty())
+            .then(|| Self { id: request_id.to_owned(), content: *blake3::hash(&request.encode_to_vec()).as_bytes() }))
     }
 }
 
@@ -55,10 +53,7 @@ struct Kept<A> {
 
 impl<A> Default for RetryCache<A> {
     fn default() -> Self {
-        Self {
-            answers: HashMap::new(),
-            by_age: VecDeque::new(),
-        }
+        Self { answers: HashMap::new(), by_age: VecDeque::new() }
     }
 }
 
@@ -74,10 +69,7 @@ impl<A: Clone> RetryCache<A> {
             None => Ok(None),
             Some(kept) if kept.content == key.content => Ok(Some(kept.answer.clone())),
             Some(_) => {
-                let what = format!(
-                    "is {:?}, which another request used within 5 minutes: choose a new one",
-                    key.id
-                );
+                let what = format!("is {:?}, which another request used within 5 minutes: choose a new one", key.id);
                 Err(Problem::at("request_id", Reason::OutOfLimits, what))
             }
         }
@@ -92,13 +84,7 @@ impl<A: Clone> RetryCache<A> {
             self.answers.remove(&id);
         }
         self.by_age.push_back((now, key.id.clone()));
-        self.answers.insert(
-            key.id,
-            Kept {
-                content: key.content,
-                answer: answer.clone(),
-            },
-        );
+        self.answers.insert(key.id, Kept { content: key.content, answer: answer.clone() });
     }
 
     fn forget_old(&mut self, now: Instant) {
@@ -120,10 +106,7 @@ mod tests {
 
     fn request(lease_s: i64) -> pb::CreateSessionRequest {
         pb::CreateSessionRequest {
-            lease: Some(prost_types::Duration {
-                seconds: lease_s,
-                nanos: 0,
-            }),
+            lease: Some(prost_types::Duration { seconds: lease_s, nanos: 0 }),
             ..pb::CreateSessionRequest::default()
         }
     }
@@ -155,9 +138,7 @@ mod tests {
             cache.keep(RetryKey::of(&number.to_string(), &request(1)).unwrap(), &number, now);
         }
         let find = |cache: &mut RetryCache<usize>, id: &str| {
-            cache
-                .find(RetryKey::of(id, &request(1)).unwrap().as_ref(), now)
-                .unwrap()
+            cache.find(RetryKey::of(id, &request(1)).unwrap().as_ref(), now).unwrap()
         };
         assert_eq!(find(&mut cache, "0"), None);
         assert_eq!(find(&mut cache, "1"), Some(1));

@@ -98,14 +98,8 @@ pub async fn start(settings: Settings) -> Result<Running, StartError> {
     settings.check()?;
     let listener = TcpListener::bind(settings.listen)
         .await
-        .map_err(|source| StartError::Listen {
-            address: settings.listen,
-            source,
-        })?;
-    let local_addr = listener.local_addr().map_err(|source| StartError::Listen {
-        address: settings.listen,
-        source,
-    })?;
+        .map_err(|source| StartError::Listen { address: settings.listen, source })?;
+    let local_addr = listener.local_addr().map_err(|source| StartError::Listen { address: settings.listen, source })?;
     let stop = Stop::default();
     let (health, routes) = routes(&settings, &stop).await?;
     let (doors, incoming_doors) = mpsc::channel(IN_PROCESS_BACKLOG);
@@ -149,10 +143,7 @@ impl Running {
                 let (here, there) = tokio::io::duplex(IN_PROCESS_BUFFER);
                 match doors.send(there).await {
                     Ok(()) => Ok(TokioIo::new(here)),
-                    Err(_) => Err(io::Error::new(
-                        io::ErrorKind::ConnectionRefused,
-                        "the server has stopped",
-                    )),
+                    Err(_) => Err(io::Error::new(io::ErrorKind::ConnectionRefused, "the server has stopped")),
                 }
             }
         }))
@@ -233,13 +224,9 @@ fn server() -> Server {
 }
 
 fn serve_sockets(listener: TcpListener, routes: Routes, stop: Stop) -> JoinHandle<()> {
-    let incoming = TcpIncoming::from(listener)
-        .with_nodelay(Some(true))
-        .with_keepalive(Some(KEEPALIVE_EVERY));
+    let incoming = TcpIncoming::from(listener).with_nodelay(Some(true)).with_keepalive(Some(KEEPALIVE_EVERY));
     tokio::spawn(async move {
-        let serving = server()
-            .add_routes(routes)
-            .serve_with_incoming_shutdown(incoming, stop.drain.cancelled_owned());
+        let serving = server().add_routes(routes).serve_with_incoming_shutdown(incoming, stop.drain.cancelled_owned());
         run_until_aborted(serving, &stop.abort).await;
     })
 }
@@ -247,9 +234,7 @@ fn serve_sockets(listener: TcpListener, routes: Routes, stop: Stop) -> JoinHandl
 fn serve_in_process(doors: mpsc::Receiver<DuplexStream>, routes: Routes, stop: Stop) -> JoinHandle<()> {
     let incoming = ReceiverStream::new(doors).map(Ok::<_, io::Error>);
     tokio::spawn(async move {
-        let serving = server()
-            .add_routes(routes)
-            .serve_with_incoming_shutdown(incoming, stop.drain.cancelled_owned());
+        let serving = server().add_routes(routes).serve_with_incoming_shutdown(incoming, stop.drain.cancelled_owned());
         run_until_aborted(serving, &stop.abort).await;
     })
 }

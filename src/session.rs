@@ -118,9 +118,7 @@ impl Session {
     /// There is no token, or it is not one of this session.
     pub(crate) fn role_of(&self, token: Option<&str>) -> Checked<Role> {
         match &self.access {
-            Access::Open(tokens) => Ok(token
-                .and_then(|token| tokens.lock().role_of(token))
-                .unwrap_or(Role::Owner)),
+            Access::Open(tokens) => Ok(token.and_then(|token| tokens.lock().role_of(token)).unwrap_or(Role::Owner)),
             Access::ByToken(tokens) => {
                 let Some(token) = token else {
                     let what = format!(
@@ -256,12 +254,7 @@ impl Session {
         if newest.tick() == tick {
             return Ok(newest);
         }
-        let kept = self
-            .paged
-            .lock()
-            .iter()
-            .find(|(_, kept)| kept.tick() == tick)
-            .map(|(_, kept)| kept.clone());
+        let kept = self.paged.lock().iter().find(|(_, kept)| kept.tick() == tick).map(|(_, kept)| kept.clone());
         kept.ok_or_else(|| {
             let what = format!(
                 "is of tick {tick}, which is no longer held: oldest and newest are {}; begin again without page_token \
@@ -276,9 +269,7 @@ impl Session {
     /// memory anew, which grows when questions make them build their trees.
     pub(crate) fn sweep(&self) {
         let now = Instant::now();
-        self.paged
-            .lock()
-            .retain(|(used, _)| now.duration_since(*used) < PAGED_FOR);
+        self.paged.lock().retain(|(used, _)| now.duration_since(*used) < PAGED_FOR);
         self.memory_bytes();
     }
 
@@ -310,9 +301,7 @@ impl Session {
         if shape_count > self.shape_quota {
             let limit = self.shape_quota;
             let what = format!("the world would hold {shape_count} shapes and may hold {limit}: remove some first");
-            return Err(Problem::new(Reason::QuotaExceeded, what)
-                .with("quota", "session_shapes")
-                .with("limit", limit));
+            return Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "session_shapes").with("limit", limit));
         }
         self.geometries.check_room(shape_count)
     }
@@ -320,7 +309,5 @@ impl Session {
 
 /// A version that cannot be read; without history the newest is also the oldest.
 fn not_held(field: &str, what: String, newest: Tick) -> Problem {
-    Problem::at(field, Reason::TickNotHeld, what)
-        .with("oldest_tick", newest)
-        .with("newest_tick", newest)
+    Problem::at(field, Reason::TickNotHeld, what).with("oldest_tick", newest).with("newest_tick", newest)
 }

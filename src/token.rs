@@ -85,9 +85,7 @@ impl Tokens {
     pub(crate) fn create(&mut self, role: Role) -> Checked<String> {
         if self.roles.len() >= Self::MOST {
             let what = format!("the session has {} tokens, which is the most it may have", Self::MOST);
-            return Err(Problem::new(Reason::QuotaExceeded, what)
-                .with("quota", "tokens")
-                .with("limit", Self::MOST));
+            return Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "tokens").with("limit", Self::MOST));
         }
         let token = new_token()?;
         self.roles.insert(TokenHash::of(&token), role);

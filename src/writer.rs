@@ -176,10 +176,7 @@ mod tests {
         assert!(problem.is(Reason::Internal), "{problem}");
         let problem = apply(&mut writer).unwrap_err();
         assert!(problem.is(Reason::WorldQuarantined), "{problem}");
-        assert!(
-            problem.to_string().contains("questions on its last whole tick go on"),
-            "{problem}"
-        );
+        assert!(problem.to_string().contains("questions on its last whole tick go on"), "{problem}");
         assert_eq!(writer.world.newest().tick(), last_whole);
     }
 
@@ -188,10 +185,7 @@ mod tests {
         let mut writer = Writer::new().unwrap();
         let (first, old) = writer.begin_stream("arm");
         assert_eq!(first, Acked::default());
-        let acked = Acked {
-            sequence: 3,
-            tick: Some(Tick::MIN),
-        };
+        let acked = Acked { sequence: 3, tick: Some(Tick::MIN) };
         writer.acknowledge("arm", acked);
         let (second, new) = writer.begin_stream("arm");
         assert_eq!(second, acked);

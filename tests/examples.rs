@@ -23,10 +23,8 @@ struct Server {
 impl Server {
     /// Starts the built binary and waits until it says that it listens.
     fn start(arguments: &[&str]) -> Self {
-        let port = TcpListener::bind("127.0.0.1:0")
-            .and_then(|listener| listener.local_addr())
-            .expect("a free port")
-            .port();
+        let port =
+            TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr()).expect("a free port").port();
         let mut process = Command::new(env!("CARGO_BIN_EXE_calipers"))
             .args(arguments)
             .args(["--listen", &format!("127.0.0.1:{port}")])
@@ -44,8 +42,7 @@ impl Server {
             }
         });
         let server = Self { process, port };
-        told.recv_timeout(Duration::from_secs(60))
-            .expect("it prints a grpcurl line within a minute");
+        told.recv_timeout(Duration::from_secs(60)).expect("it prints a grpcurl line within a minute");
         server
     }
 }
@@ -68,11 +65,7 @@ struct Example {
 fn examples(document: &str) -> Vec<Example> {
     let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(document)).expect(document);
     let mut found = Vec::new();
-    for block in text
-        .split("```sh\n")
-        .skip(1)
-        .filter_map(|rest| rest.split("```").next())
-    {
+    for block in text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()) {
         let mut expected = Vec::new();
         let joined = block.replace("\\\n", " ");
         for line in joined.lines() {
@@ -80,10 +73,7 @@ fn examples(document: &str) -> Vec<Example> {
                 expected.extend(line.split('`').skip(1).step_by(2).map(str::to_owned));
             } else {
                 if line.starts_with("grpcurl ") {
-                    found.push(Example {
-                        line: line.to_owned(),
-                        expected: expected.clone(),
-                    });
+                    found.push(Example { line: line.to_owned(), expected: expected.clone() });
                 }
                 expected.clear();
             }
@@ -106,16 +96,9 @@ fn has_grpcurl() -> bool {
 fn run(example: &Example, port: u16) {
     let line = example.line.replace("localhost:7070", &format!("127.0.0.1:{port}"));
     let output = Command::new("sh").args(["-c", &line]).output().expect("sh runs");
-    let said = format!(
-        "{}{}",
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     for word in &example.expected {
-        assert!(
-            said.contains(word.as_str()),
-            "{line}\nshould say {word}, but says\n{said}"
-        );
+        assert!(said.contains(word.as_str()), "{line}\nshould say {word}, but says\n{said}");
     }
     let wants_failure = example.expected.iter().any(|word| word.starts_with("Code: "));
     assert_eq!(output.status.success(), !wants_failure, "{line}\n{said}");
@@ -128,10 +111,7 @@ fn the_readme_tells_the_truth() {
     }
     let server = Server::start(&["serve", "--demo"]);
     for example in examples("README.md") {
-        assert!(
-            !example.expected.is_empty(),
-            "nothing is said of what comes back: {example:?}"
-        );
+        assert!(!example.expected.is_empty(), "nothing is said of what comes back: {example:?}");
         run(&example, server.port);
     }
 }
@@ -143,10 +123,7 @@ fn every_example_of_the_api_page_runs() {
     }
     let server = Server::start(&["serve", "--operator-token", "operator-secret"]);
     for example in examples("docs/api.md") {
-        assert!(
-            !example.expected.is_empty(),
-            "nothing is said of what comes back: {example:?}"
-        );
+        assert!(!example.expected.is_empty(), "nothing is said of what comes back: {example:?}");
         run(&example, server.port);
     }
 }

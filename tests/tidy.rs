@@ -54,53 +54,30 @@ fn files(folder: &str, ending: &str) -> Vec<String> {
 
 fn rust_files() -> Vec<String> {
     let folders = ["src", "crates", "clients", "tests", "benches", "examples"];
-    folders
-        .into_iter()
-        .filter(|folder| root().join(folder).is_dir())
-        .flat_map(|folder| files(folder, ".rs"))
-        .collect()
+    folders.into_iter().filter(|folder| root().join(folder).is_dir()).flat_map(|folder| files(folder, ".rs")).collect()
 }
 
 /// Code without comments, without what strings say, and without what follows `#[cfg(test)]`.
 fn code(text: &str) -> String {
     let shipped = text.split("#[cfg(test)]").next().unwrap_or(text);
     let unquoted = |line: &str| line.split('"').step_by(2).collect::<Vec<_>>().join("\"");
-    let lines = shipped
-        .lines()
-        .map(unquoted)
-        .map(|line| line.split("//").next().unwrap_or("").to_owned());
+    let lines = shipped.lines().map(unquoted).map(|line| line.split("//").next().unwrap_or("").to_owned());
     lines.collect::<Vec<_>>().join("\n")
 }
 
 #[test]
 fn the_domain_depends_on_what_it_may() {
     let manifest = read("crates/collision/Cargo.toml");
-    let section = manifest
-        .split("[dependencies]")
-        .nth(1)
-        .and_then(|rest| rest.split("\n[").next())
-        .expect("a section");
+    let section = manifest.split("[dependencies]").nth(1).and_then(|rest| rest.split("\n[").next()).expect("a section");
     let named = |line: &str| line.split(['.', ' ', '=']).next().map(str::to_owned);
-    let names: Vec<String> = section
-        .lines()
-        .filter(|line| line.contains('='))
-        .filter_map(named)
-        .collect();
+    let names: Vec<String> = section.lines().filter(|line| line.contains('=')).filter_map(named).collect();
     assert_eq!(names, COLLISION_DEPENDENCIES);
 }
 
 #[test]
 fn the_domain_never_touches_the_outside() {
-    const OUTSIDE: [&str; 8] = [
-        "std::net",
-        "std::fs",
-        "std::thread",
-        "std::time",
-        "std::env",
-        "tokio",
-        "println!",
-        "std::process",
-    ];
+    const OUTSIDE: [&str; 8] =
+        ["std::net", "std::fs", "std::thread", "std::time", "std::env", "tokio", "println!", "std::process"];
     for file in files("crates/collision/src", ".rs") {
         let code = code(&read(&file));
         for outside in OUTSIDE {
@@ -117,15 +94,11 @@ fn layers_use_only_those_before_them() {
             for later in &LAYERS[rank + 1..] {
                 for statement in code.split("use crate::").skip(1) {
                     let statement = statement.split(';').next().unwrap_or_default();
-                    let uses = statement
-                        .split(['{', '}', ',', ' ', '\n'])
-                        .any(|part| part.starts_with(&format!("{later}::")));
+                    let uses =
+                        statement.split(['{', '}', ',', ' ', '\n']).any(|part| part.starts_with(&format!("{later}::")));
                     assert!(!uses, "{file} in {layer} uses {later}");
                 }
-                assert!(
-                    !code.contains(&format!("crate::{later}::")),
-                    "{file} in {layer} names crate::{later}"
-                );
+                assert!(!code.contains(&format!("crate::{later}::")), "{file} in {layer} names crate::{later}");
             }
         }
     }
@@ -133,18 +106,9 @@ fn layers_use_only_those_before_them() {
 
 #[test]
 fn the_server_knows_no_geometry() {
-    const GEOMETRY: [&str; 6] = [
-        ".dot(",
-        ".cross(",
-        ".normalize(",
-        ".length_squared(",
-        "from_quat(",
-        "from_axis_angle(",
-    ];
-    for file in files("src", ".rs")
-        .iter()
-        .filter(|file| !file.starts_with("src/program/demo/"))
-    {
+    const GEOMETRY: [&str; 6] =
+        [".dot(", ".cross(", ".normalize(", ".length_squared(", "from_quat(", "from_axis_angle("];
+    for file in files("src", ".rs").iter().filter(|file| !file.starts_with("src/program/demo/")) {
         let code = code(&read(file));
         for sign in GEOMETRY {
             assert!(!code.contains(sign), "{file} computes geometry: {sign}");
@@ -160,21 +124,14 @@ fn tolerances_stand_in_one_file() {
         "crates/collision/src/shape/limits.rs",
         "crates/collision/src/accuracy.rs",
     ];
-    for file in files("crates/collision/src", ".rs")
-        .iter()
-        .filter(|file| !EXEMPT.contains(&file.as_str()))
-    {
+    for file in files("crates/collision/src", ".rs").iter().filter(|file| !EXEMPT.contains(&file.as_str())) {
         for (number, line) in code(&read(file)).lines().enumerate() {
             let is_small = line.match_indices("e-").any(|(at, _)| {
                 let before = line[..at].chars().next_back();
                 let after = line[at + 2..].chars().next();
                 before.is_some_and(|c| c.is_ascii_digit()) && after.is_some_and(|c| c.is_ascii_digit())
             });
-            assert!(
-                !is_small && !line.contains("EPSILON"),
-                "{file}:{}: a tolerance outside tolerance.rs",
-                number + 1
-            );
+            assert!(!is_small && !line.contains("EPSILON"), "{file}:{}: a tolerance outside tolerance.rs", number + 1);
         }
     }
 }
@@ -190,31 +147,21 @@ fn files_and_functions_fit_a_screen() {
         }
         for (start, line) in lines.iter().enumerate() {
             let trimmed = line.trim_start();
-            let is_function = trimmed
-                .split('(')
-                .next()
-                .is_some_and(|head| head.split(' ').any(|word| word == "fn"));
+            let is_function = trimmed.split('(').next().is_some_and(|head| head.split(' ').any(|word| word == "fn"));
             if !is_function || trimmed.starts_with("//") {
                 continue;
             }
             let close = format!("{}}}", &line[..line.len() - trimmed.len()]);
-            let length = lines[start..]
-                .iter()
-                .position(|&l| l == close || l.ends_with(';'))
-                .map_or(0, |at| {
-                    let ends_at_once = lines[start + at].ends_with(';') && lines[start + at] != close;
-                    if ends_at_once && at > 0 {
-                        lines[start..].iter().position(|&l| l == close).unwrap_or(0) + 1
-                    } else {
-                        at + 1
-                    }
-                });
+            let length = lines[start..].iter().position(|&l| l == close || l.ends_with(';')).map_or(0, |at| {
+                let ends_at_once = lines[start + at].ends_with(';') && lines[start + at] != close;
+                if ends_at_once && at > 0 {
+                    lines[start..].iter().position(|&l| l == close).unwrap_or(0) + 1
+                } else {
+                    at + 1
+                }
+            });
             if length > FUNCTION_LINES_MAX {
-                let name = trimmed
-                    .split("fn ")
-                    .nth(1)
-                    .and_then(|rest| rest.split(['(', '<']).next())
-                    .unwrap_or("?");
+                let name = trimmed.split("fn ").nth(1).and_then(|rest| rest.split(['(', '<']).next()).unwrap_or("?");
                 found.insert(format!("{file}:{name}"), length);
             }
         }
@@ -222,10 +169,7 @@ fn files_and_functions_fit_a_screen() {
     let allowed: BTreeMap<String, usize> = LONGER.iter().map(|&(name, most)| (name.to_owned(), most)).collect();
     let is_grown = |(name, length): &(&String, &usize)| allowed.get(*name).is_none_or(|most| *length > most);
     let grown: Vec<_> = found.iter().filter(is_grown).collect();
-    assert!(
-        grown.is_empty(),
-        "split these (files {FILE_LINES_MAX} lines, functions {FUNCTION_LINES_MAX}): {grown:#?}"
-    );
+    assert!(grown.is_empty(), "split these (files {FILE_LINES_MAX} lines, functions {FUNCTION_LINES_MAX}): {grown:#?}");
     for name in allowed.keys() {
         assert!(found.contains_key(name), "{name} fits now: take it off the list");
     }
@@ -233,20 +177,10 @@ fn files_and_functions_fit_a_screen() {
 
 #[test]
 fn no_file_is_named_for_nothing() {
-    const EMPTY_NAMES: [&str; 6] = [
-        "utils.rs",
-        "util.rs",
-        "common.rs",
-        "helpers.rs",
-        "misc.rs",
-        "manager.rs",
-    ];
+    const EMPTY_NAMES: [&str; 6] = ["utils.rs", "util.rs", "common.rs", "helpers.rs", "misc.rs", "manager.rs"];
     for file in rust_files() {
         let name = file.rsplit('/').next().unwrap_or(&file);
-        assert!(
-            !EMPTY_NAMES.contains(&name),
-            "{file}: a name that says what the file answers"
-        );
+        assert!(!EMPTY_NAMES.contains(&name), "{file}: a name that says what the file answers");
     }
 }
 
@@ -287,18 +221,9 @@ fn every_call_is_answered_tested_and_shown() {
     let shown = read("docs/api.md");
     for (service, name) in calls() {
         let function = snake_case(&name);
-        assert!(
-            answered.contains(&format!("fn {function}")),
-            "{name} has no function in src/rpc"
-        );
-        assert!(
-            tested.contains(&format!(".{function}(")),
-            "{name} has no test in tests/server"
-        );
-        assert!(
-            shown.contains(&format!("{service}/{name}")),
-            "{name} has no example in docs/api.md"
-        );
+        assert!(answered.contains(&format!("fn {function}")), "{name} has no function in src/rpc");
+        assert!(tested.contains(&format!(".{function}(")), "{name} has no test in tests/server");
+        assert!(shown.contains(&format!("{service}/{name}")), "{name} has no example in docs/api.md");
     }
 }
 
@@ -309,15 +234,9 @@ fn every_field_of_the_api_is_documented() {
         let lines: Vec<&str> = text.lines().map(str::trim).collect();
         for (number, line) in lines.iter().enumerate() {
             let is_item = (line.ends_with(';') && line.contains(" = "))
-                || ["message ", "enum ", "service ", "rpc ", "oneof "]
-                    .iter()
-                    .any(|start| line.starts_with(start));
+                || ["message ", "enum ", "service ", "rpc ", "oneof "].iter().any(|start| line.starts_with(start));
             if is_item && !line.starts_with("//") && !line.starts_with("syntax") {
-                assert!(
-                    lines[number - 1].starts_with("//"),
-                    "{file}:{}: no comment above {line}",
-                    number + 1
-                );
+                assert!(lines[number - 1].starts_with("//"), "{file}:{}: no comment above {line}", number + 1);
             }
         }
     }

@@ -197,10 +197,7 @@ fn interval(bound: Bound) -> Checked<pb::Interval> {
         true => Ok(None),
         false => number_out(value).map(Some),
     };
-    Ok(pb::Interval {
-        lower: side(bound.lower)?,
-        upper: side(bound.upper)?,
-    })
+    Ok(pb::Interval { lower: side(bound.lower)?, upper: side(bound.upper)? })
 }
 
 fn verdict(verdict: Verdict) -> pb::Verdict {
@@ -256,10 +253,7 @@ mod tests {
     #[test]
     fn a_feature_that_says_nothing_is_absent() {
         assert_eq!(feature(Feature::default()), None);
-        let face = Feature {
-            part: None,
-            face: Some(0),
-        };
+        let face = Feature { part: None, face: Some(0) };
         assert_eq!(feature(face).unwrap().face, Some(0));
     }
 }

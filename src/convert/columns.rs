@@ -32,11 +32,7 @@ impl<'a, const WIDTH: usize> Column<'a, WIDTH> {
         if self.numbers.is_empty() {
             return Ok(None);
         }
-        let begin = if self.numbers.len() == WIDTH * self.n {
-            index * WIDTH
-        } else {
-            0
-        };
+        let begin = if self.numbers.len() == WIDTH * self.n { index * WIDTH } else { 0 };
         let mut item = [0.0; WIDTH];
         for (offset, number) in item.iter_mut().enumerate() {
             *number = column_number(self.name, begin + offset, self.numbers[begin + offset])?;
@@ -128,11 +124,7 @@ fn in_limits(column: &str, begin: usize, vector: DVec3) -> Checked<DVec3> {
     for (offset, value) in vector.to_array().into_iter().enumerate() {
         if value.abs() > Limits::COORDINATE {
             let what = format!("is {value} with the frame origin: it must be within 1e12 of 0");
-            return Err(Problem::at(
-                format!("{column}[{}]", begin + offset),
-                Reason::OutOfLimits,
-                what,
-            ));
+            return Err(Problem::at(format!("{column}[{}]", begin + offset), Reason::OutOfLimits, what));
         }
     }
     Ok(vector)
@@ -144,11 +136,7 @@ mod tests {
 
     fn columns(positions: &[f32], rotations: &[f32]) -> pb::PoseColumns {
         pb::PoseColumns {
-            frame_origin: Some(pb::Vec3 {
-                x: 100.0,
-                y: 0.0,
-                z: 0.0,
-            }),
+            frame_origin: Some(pb::Vec3 { x: 100.0, y: 0.0, z: 0.0 }),
             positions: positions.to_vec(),
             rotations: rotations.to_vec(),
         }
@@ -167,19 +155,12 @@ mod tests {
         let sent = columns(&[0.0; 7], &[]);
         let problem = Poses::new(Some(&sent), 2).unwrap_err().into_wire();
         assert_eq!(problem.field, "positions");
-        assert!(
-            problem.message.contains("has 7 numbers: it must have 6"),
-            "{}",
-            problem.message
-        );
+        assert!(problem.message.contains("has 7 numbers: it must have 6"), "{}", problem.message);
     }
 
     #[test]
     fn a_number_is_named_by_its_place_in_the_column() {
-        let sent = columns(
-            &[0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0],
-            &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-        );
+        let sent = columns(&[0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
         let poses = Poses::new(Some(&sent), 2).unwrap();
         assert_eq!(poses.position(1).unwrap_err().into_wire().field, "positions[4]");
         assert_eq!(poses.rotation(1).unwrap_err().into_wire().field, "rotations[4]");

@@ -191,18 +191,10 @@ fn each_id(
     for (index, &id) in ids.iter().enumerate() {
         let made = match ShapeId::new(id) {
             Some(id) => make(index, id),
-            None => shape_id("", 0)
-                .map_err(|problem| problem.at_field(format!("ids[{index}]")))
-                .map(Edit::Remove),
+            None => shape_id("", 0).map_err(|problem| problem.at_field(format!("ids[{index}]"))).map(Edit::Remove),
         };
         match made.under(op).under_item("edits", edit as usize) {
-            Ok(single) => into.push(
-                Place {
-                    edit,
-                    item: u32::try_from(index).ok(),
-                },
-                single,
-            ),
+            Ok(single) => into.push(Place { edit, item: u32::try_from(index).ok() }, single),
             Err(problem) => into.problems.push(problem.with_shape(id)),
         }
     }
@@ -216,10 +208,7 @@ mod tests {
         pb::Edit {
             op: Some(Op::Moves(pb::MoveColumns {
                 ids: ids.to_vec(),
-                poses: Some(pb::PoseColumns {
-                    positions: positions.to_vec(),
-                    ..pb::PoseColumns::default()
-                }),
+                poses: Some(pb::PoseColumns { positions: positions.to_vec(), ..pb::PoseColumns::default() }),
                 ..pb::MoveColumns::default()
             })),
         }
@@ -231,11 +220,7 @@ mod tests {
         let edits = [pb::Edit::default(), moves(&[1, 0, 3], &[0.0; 9])];
         let expanded = expand(&edits, &known).unwrap();
         assert_eq!(expanded.edits.len(), 2);
-        let fields: Vec<_> = expanded
-            .problems
-            .into_iter()
-            .map(|problem| problem.into_wire().field)
-            .collect();
+        let fields: Vec<_> = expanded.problems.into_iter().map(|problem| problem.into_wire().field).collect();
         assert_eq!(fields, ["edits[0].op", "edits[1].moves.ids[1]"]);
         let item = Place { edit: 1, item: Some(2) };
         assert_eq!(expanded.places[1], item);

@@ -90,11 +90,7 @@ fn bare(sent: &pb::Geometry) -> Checked<Geometry> {
         Some(Kind::HalfSpace(_)) => Err(not_yet("half_space", "place a large box below the plane")),
         Some(Kind::HeightField(_)) => Err(not_yet("height_field", "place a mesh of two triangles for each cell")),
         Some(Kind::Compound(_)) => Err(not_yet("compound", "place one shape for each part, all of one group")),
-        Some(Kind::GeometryId(_)) => Err(Problem::at(
-            "geometry_id",
-            Reason::BadGeometry,
-            "names another geometry",
-        )),
+        Some(Kind::GeometryId(_)) => Err(Problem::at("geometry_id", Reason::BadGeometry, "names another geometry")),
     }
 }
 
@@ -120,11 +116,7 @@ fn triangles(mesh: &pb::TriangleMesh) -> Checked<Geometry> {
         Ok(pb::MeshMode::OneSided) => return Err(not_yet("mode", "use MESH_MODE_TWO_SIDED; it was ONE_SIDED")),
         Ok(pb::MeshMode::Solid) => return Err(not_yet("mode", "use MESH_MODE_TWO_SIDED; it was SOLID")),
         Err(_) => {
-            return Err(unknown_enum(
-                "mode",
-                mesh.mode,
-                "MESH_MODE_TWO_SIDED (1), ONE_SIDED (2), SOLID (3)",
-            ));
+            return Err(unknown_enum("mode", mesh.mode, "MESH_MODE_TWO_SIDED (1), ONE_SIDED (2), SOLID (3)"));
         }
     }
     if mesh.decompose.is_some() {
@@ -133,10 +125,7 @@ fn triangles(mesh: &pb::TriangleMesh) -> Checked<Geometry> {
     let vertices = points("vertices", &mesh.vertices)?;
     let (indices, rest) = mesh.indices.as_chunks::<3>();
     if !rest.is_empty() {
-        let what = format!(
-            "has {} numbers: it must have three for each triangle",
-            mesh.indices.len()
-        );
+        let what = format!("has {} numbers: it must have three for each triangle", mesh.indices.len());
         return Err(Problem::at("indices", Reason::ColumnLength, what));
     }
     made("", Geometry::mesh(&vertices, indices))
@@ -145,10 +134,7 @@ fn triangles(mesh: &pb::TriangleMesh) -> Checked<Geometry> {
 fn points(field: &'static str, numbers: &[f32]) -> Checked<Vec<DVec3>> {
     let (points, rest) = numbers.as_chunks::<3>();
     if !rest.is_empty() {
-        let what = format!(
-            "has {} numbers: it must have three (x, y, z) for each point",
-            numbers.len()
-        );
+        let what = format!("has {} numbers: it must have three (x, y, z) for each point", numbers.len());
         return Err(Problem::at(field, Reason::ColumnLength, what));
     }
     let mut checked = Vec::with_capacity(points.len());
@@ -195,11 +181,7 @@ pub(crate) fn geometry_out(geometry: &Geometry) -> pb::Geometry {
         Form::Convex(convex) => convex_out(convex).unwrap_or_else(|| (by_id(geometry), 0.0)),
         Form::Mesh(_) => (by_id(geometry), 0.0),
     };
-    pb::Geometry {
-        kind: Some(kind),
-        rounding,
-        scale: None,
-    }
+    pb::Geometry { kind: Some(kind), rounding, scale: None }
 }
 
 fn by_id(geometry: &Geometry) -> Kind {
@@ -213,11 +195,7 @@ fn convex_out(convex: &Convex) -> Option<(Kind, f64)> {
         Core::Point => Some((Kind::Point(pb::Point {}), 0.0)),
         &Core::Segment { half_height } => Some((Kind::Capsule(pb::Capsule { half_height, radius }), 0.0)),
         Core::Cuboid { half_extents: half } => {
-            let half_extents = Some(pb::Vec3 {
-                x: half.x,
-                y: half.y,
-                z: half.z,
-            });
+            let half_extents = Some(pb::Vec3 { x: half.x, y: half.y, z: half.z });
             Some((Kind::Box(pb::Cuboid { half_extents }), radius))
         }
         Core::Hull(_) | Core::Triangle(_) => None,
@@ -262,14 +240,8 @@ fn mesh_warnings(mesh: &Mesh) -> Vec<String> {
     let report = mesh.report();
     let found = [
         (report.degenerate, "triangles without area were left out"),
-        (
-            report.merged_vertices,
-            "vertices were equal to an earlier one and merged with it",
-        ),
-        (
-            report.open_edges,
-            "edges belong to one triangle only: the surface is open there",
-        ),
+        (report.merged_vertices, "vertices were equal to an earlier one and merged with it"),
+        (report.open_edges, "edges belong to one triangle only: the surface is open there"),
         (report.non_manifold_edges, "edges belong to more than two triangles"),
     ];
     let found = found.into_iter().filter(|(count, _)| *count > 0);

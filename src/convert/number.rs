@@ -16,21 +16,12 @@ const NANOS_IN_SECOND: i64 = 1_000_000_000;
 
 /// A finite number.
 pub(crate) fn finite(field: &'static str, value: f64) -> Checked<f64> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(not_finite(field, value))
-    }
+    if value.is_finite() { Ok(value) } else { Err(not_finite(field, value)) }
 }
 
 /// A coordinate: finite and within 1e12 metres of 0.
 pub(crate) fn coordinate(field: &'static str, value: f64) -> Checked<f64> {
-    within(
-        field,
-        value,
-        -Limits::COORDINATE..=Limits::COORDINATE,
-        "within 1e12 of 0",
-    )
+    within(field, value, -Limits::COORDINATE..=Limits::COORDINATE, "within 1e12 of 0")
 }
 
 /// A finite number in a range; `allowed` says in words which.
@@ -44,21 +35,13 @@ pub(crate) fn within(
     if range.contains(&value) {
         Ok(value)
     } else {
-        Err(Problem::at(
-            field,
-            Reason::OutOfLimits,
-            format!("is {value}: it must be {allowed}"),
-        ))
+        Err(Problem::at(field, Reason::OutOfLimits, format!("is {value}: it must be {allowed}")))
     }
 }
 
 /// What is said of NaN and infinities.
 pub(crate) fn not_finite(field: impl Into<String>, value: f64) -> Problem {
-    Problem::at(
-        field,
-        Reason::NotFinite,
-        format!("is {value}: it must be a finite number"),
-    )
+    Problem::at(field, Reason::NotFinite, format!("is {value}: it must be a finite number"))
 }
 
 /// A count from 1 to `most`, where 0 stands for `default`.
@@ -93,21 +76,14 @@ pub(crate) fn shape_id(field: &'static str, id: u64) -> Checked<ShapeId> {
 
 /// What is said of an enum number that the API does not name.
 pub(crate) fn unknown_enum(field: &'static str, found: i32, names: &str) -> Problem {
-    Problem::at(
-        field,
-        Reason::OutOfLimits,
-        format!("is {found}: it must be one of {names}"),
-    )
+    Problem::at(field, Reason::OutOfLimits, format!("is {found}: it must be one of {names}"))
 }
 
 /// A point in time.
 pub(crate) fn time(field: &'static str, sent: &prost_types::Timestamp) -> Checked<Time> {
     let nanos = i64::from(sent.nanos);
     let in_second = (0..NANOS_IN_SECOND).contains(&nanos);
-    let total = sent
-        .seconds
-        .checked_mul(NANOS_IN_SECOND)
-        .and_then(|seconds| seconds.checked_add(nanos));
+    let total = sent.seconds.checked_mul(NANOS_IN_SECOND).and_then(|seconds| seconds.checked_add(nanos));
     match total {
         Some(total) if in_second => Ok(Time(total)),
         _ => {
@@ -144,23 +120,12 @@ mod tests {
 
     #[test]
     fn times_survive_the_way_there_and_back_also_before_1970() {
-        for nanos in [
-            0,
-            1,
-            -1,
-            1_700_000_000_123_456_789,
-            -1_500_000_000,
-            i64::MAX,
-            i64::MIN + 999_999_999,
-        ] {
+        for nanos in [0, 1, -1, 1_700_000_000_123_456_789, -1_500_000_000, i64::MAX, i64::MIN + 999_999_999] {
             let sent = timestamp(Time(nanos));
             assert!((0..1_000_000_000).contains(&sent.nanos));
             assert_eq!(time("time", &sent).unwrap(), Time(nanos), "{nanos}");
         }
-        let late = prost_types::Timestamp {
-            seconds: i64::MAX,
-            nanos: 0,
-        };
+        let late = prost_types::Timestamp { seconds: i64::MAX, nanos: 0 };
         time("time", &late).unwrap_err();
     }
 

@@ -12,11 +12,7 @@ use crate::problem::{Checked, Problem, Reason, Under};
 /// A position or displacement, metres; absent is `default`.
 pub(crate) fn position(sent: Option<&pb::Vec3>, default: DVec3) -> Checked<DVec3> {
     let Some(sent) = sent else { return Ok(default) };
-    Ok(DVec3::new(
-        coordinate("x", sent.x)?,
-        coordinate("y", sent.y)?,
-        coordinate("z", sent.z)?,
-    ))
+    Ok(DVec3::new(coordinate("x", sent.x)?, coordinate("y", sent.y)?, coordinate("z", sent.z)?))
 }
 
 /// A direction: of any length but 0.
@@ -37,14 +33,7 @@ pub(crate) fn direction(field: &'static str, sent: Option<&pb::Vec3>) -> Checked
 /// A rotation: a quaternion of any length but 0; absent is none.
 pub(crate) fn rotation(field: &'static str, sent: Option<&pb::Quat>) -> Checked<Option<DQuat>> {
     let Some(sent) = sent else { return Ok(None) };
-    let components = || {
-        Ok([
-            finite("x", sent.x)?,
-            finite("y", sent.y)?,
-            finite("z", sent.z)?,
-            finite("w", sent.w)?,
-        ])
-    };
+    let components = || Ok([finite("x", sent.x)?, finite("y", sent.y)?, finite("z", sent.z)?, finite("w", sent.w)?]);
     let [x, y, z, w] = components().under(field)?;
     if is_zero_quat([x, y, z, w]) {
         let what = "is (0, 0, 0, 0): it may have any length but 0; {\"w\": 1} is no rotation";
@@ -70,20 +59,12 @@ pub(crate) fn pose(sent: Option<&pb::Pose>, default: Pose) -> Checked<Pose> {
 pub(crate) fn aabb(sent: &pb::Aabb) -> Checked<Aabb> {
     let corner = |field: &'static str, sent: Option<&pb::Vec3>| {
         let Some(sent) = sent else {
-            return Err(Problem::at(
-                field,
-                Reason::Missing,
-                "is absent: a box needs min and max",
-            ));
+            return Err(Problem::at(field, Reason::Missing, "is absent: a box needs min and max"));
         };
         position(Some(sent), DVec3::ZERO).under(field)
     };
     let (min, max) = (corner("min", sent.min.as_ref())?, corner("max", sent.max.as_ref())?);
-    for (field, low, high) in [
-        ("max.x", min.x, max.x),
-        ("max.y", min.y, max.y),
-        ("max.z", min.z, max.z),
-    ] {
+    for (field, low, high) in [("max.x", min.x, max.x), ("max.y", min.y, max.y), ("max.z", min.z, max.z)] {
         if low > high {
             let what = format!("is {high}, below that of min, {low}");
             return Err(Problem::at(field, Reason::OutOfLimits, what));
@@ -97,11 +78,7 @@ pub(crate) fn aabb(sent: &pb::Aabb) -> Checked<Aabb> {
 /// # Errors
 /// A component is not finite, which is a fault of the server.
 pub(crate) fn vec3_out(vector: DVec3) -> Checked<pb::Vec3> {
-    Ok(pb::Vec3 {
-        x: number_out(vector.x)?,
-        y: number_out(vector.y)?,
-        z: number_out(vector.z)?,
-    })
+    Ok(pb::Vec3 { x: number_out(vector.x)?, y: number_out(vector.y)?, z: number_out(vector.z)? })
 }
 
 /// A number as it is sent: finite, and +0 for −0.
@@ -122,11 +99,7 @@ pub(crate) fn number_out(value: f64) -> Checked<f64> {
 pub(crate) fn pose_out(pose: &Pose) -> pb::Pose {
     let (position, rotation) = (pose.position, pose.rotation);
     pb::Pose {
-        position: Some(pb::Vec3 {
-            x: position.x,
-            y: position.y,
-            z: position.z,
-        }),
+        position: Some(pb::Vec3 { x: position.x, y: position.y, z: position.z }),
         rotation: (rotation != DQuat::IDENTITY).then_some(pb::Quat {
             x: rotation.x,
             y: rotation.y,
@@ -141,20 +114,13 @@ pub(crate) fn pose_out(pose: &Pose) -> pb::Pose {
 /// # Errors
 /// A corner is not finite, which is a fault of the server.
 pub(crate) fn aabb_out(bounds: Aabb) -> Checked<pb::Aabb> {
-    Ok(pb::Aabb {
-        min: Some(vec3_out(bounds.min)?),
-        max: Some(vec3_out(bounds.max)?),
-    })
+    Ok(pb::Aabb { min: Some(vec3_out(bounds.min)?), max: Some(vec3_out(bounds.max)?) })
 }
 
 /// A finite single number of a column, in double.
 pub(crate) fn column_number(column: &str, index: usize, value: f32) -> Checked<f64> {
     let value = f64::from(value);
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(not_finite(format!("{column}[{index}]"), value))
-    }
+    if value.is_finite() { Ok(value) } else { Err(not_finite(format!("{column}[{index}]"), value)) }
 }
 
 #[cfg(test)]
@@ -173,10 +139,7 @@ mod tests {
     fn what_a_pose_leaves_out_is_that_of_the_default() {
         let default = Pose::new(DVec3::new(1.0, 2.0, 3.0), DQuat::from_xyzw(0.0, 0.0, 2.0, 0.0));
         assert_eq!(pose(None, default).unwrap(), default);
-        let sent = pb::Pose {
-            position: Some(pb::Vec3 { x: 0.0, y: 5.0, z: 0.0 }),
-            rotation: None,
-        };
+        let sent = pb::Pose { position: Some(pb::Vec3 { x: 0.0, y: 5.0, z: 0.0 }), rotation: None };
         let moved = pose(Some(&sent), default).unwrap();
         assert_eq!(moved.position, DVec3::new(0.0, 5.0, 0.0));
         assert_eq!(moved.rotation, default.rotation);

@@ -201,11 +201,7 @@ pub(crate) fn time_of_impact(
         displacement,
         against,
         against_displacement,
-        initial: if sent.ignore_initial {
-            InitialTouch::IsIgnored
-        } else {
-            InitialTouch::Counts
-        },
+        initial: if sent.ignore_initial { InitialTouch::IsIgnored } else { InitialTouch::Counts },
         mode: hit_mode(sent.mode, sent.max_hits)?,
     })
 }
@@ -221,9 +217,7 @@ fn displacement(
     let start = match subject {
         Subject::Shape { pose: Some(pose), .. } | Subject::Geometry { pose, .. } => *pose,
         &Subject::Shape { id, pose: None } => {
-            let shape = world
-                .shape(id)
-                .ok_or_else(|| shape_not_found(id_field, id.get(), world.tick()))?;
+            let shape = world.shape(id).ok_or_else(|| shape_not_found(id_field, id.get(), world.tick()))?;
             shape.pose
         }
     };

@@ -67,11 +67,9 @@ fn mobility(sent: i32) -> Checked<Mobility> {
         Ok(pb::Mobility::Unspecified | pb::Mobility::Dynamic) => Ok(Mobility::Dynamic),
         Ok(pb::Mobility::Static) => Ok(Mobility::Static),
         Ok(pb::Mobility::Kinematic) => Ok(Mobility::Kinematic),
-        Err(_) => Err(unknown_enum(
-            "mobility",
-            sent,
-            "MOBILITY_STATIC (1), MOBILITY_DYNAMIC (2), MOBILITY_KINEMATIC (3)",
-        )),
+        Err(_) => {
+            Err(unknown_enum("mobility", sent, "MOBILITY_STATIC (1), MOBILITY_DYNAMIC (2), MOBILITY_KINEMATIC (3)"))
+        }
     }
 }
 
@@ -100,9 +98,5 @@ pub(crate) fn shape_out(shape: &Shape) -> pb::Shape {
 }
 
 fn velocity_out(velocity: DVec3) -> Option<pb::Vec3> {
-    (velocity != DVec3::ZERO).then_some(pb::Vec3 {
-        x: velocity.x,
-        y: velocity.y,
-        z: velocity.z,
-    })
+    (velocity != DVec3::ZERO).then_some(pb::Vec3 { x: velocity.x, y: velocity.y, z: velocity.z })
 }

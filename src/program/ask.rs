@@ -73,11 +73,7 @@ impl Raycast {
             question.mode = proto::HitMode::All.into();
         }
         let answer = client.raycast(question).await?;
-        let text = if self.json {
-            json::raycast(&answer).to_string()
-        } else {
-            print::raycast(&answer)
-        };
+        let text = if self.json { json::raycast(&answer).to_string() } else { print::raycast(&answer) };
         Ok(writeln!(out, "{text}")?)
     }
 }
@@ -85,14 +81,8 @@ impl Raycast {
 impl Overlap {
     pub(crate) async fn run(self, out: &mut impl Write) -> Result<(), Failure> {
         let client = self.target.connect(DEADLINE).await?;
-        let answer = client
-            .overlap(ask::overlap(ask::form_at(self.form.geometry(), self.at.0)))
-            .await?;
-        let text = if self.json {
-            json::overlap(&answer).to_string()
-        } else {
-            print::overlap(&answer)
-        };
+        let answer = client.overlap(ask::overlap(ask::form_at(self.form.geometry(), self.at.0))).await?;
+        let text = if self.json { json::overlap(&answer).to_string() } else { print::overlap(&answer) };
         Ok(writeln!(out, "{text}")?)
     }
 }
@@ -101,11 +91,7 @@ impl Describe {
     pub(crate) async fn run(self, out: &mut impl Write) -> Result<(), Failure> {
         let client = self.target.connect(DEADLINE).await?;
         let world = client.describe_world(proto::DescribeWorldRequest::default()).await?;
-        let text = if self.json {
-            json::world(&world).to_string()
-        } else {
-            print::world(&world)
-        };
+        let text = if self.json { json::world(&world).to_string() } else { print::world(&world) };
         Ok(writeln!(out, "{text}")?)
     }
 }

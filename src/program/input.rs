@@ -40,13 +40,10 @@ impl FromStr for Form {
             ("sphere", &[radius]) => Ok(Self::Sphere(radius)),
             ("box", &[x, y, z]) => Ok(Self::Box([x, y, z])),
             ("capsule", &[half_height, radius]) => Ok(Self::Capsule { half_height, radius }),
-            ("sphere" | "box" | "capsule", _) => Err(format!(
-                "{} numbers do not make a {name}; a form is {FORMS}",
-                sizes.len()
-            )),
-            _ => Err(format!(
-                "{name:?} is no form that can be written here; a form is {FORMS}"
-            )),
+            ("sphere" | "box" | "capsule", _) => {
+                Err(format!("{} numbers do not make a {name}; a form is {FORMS}", sizes.len()))
+            }
+            _ => Err(format!("{name:?} is no form that can be written here; a form is {FORMS}")),
         }
     }
 }
@@ -68,11 +65,7 @@ fn numbers(text: &str) -> Result<Vec<f64>, String> {
 
 fn number(text: &str) -> Result<f64, String> {
     let number: f64 = text.trim().parse().map_err(|_| format!("{text:?} is not a number"))?;
-    if number.is_finite() {
-        Ok(number)
-    } else {
-        Err(format!("{text:?} is not a finite number"))
-    }
+    if number.is_finite() { Ok(number) } else { Err(format!("{text:?} is not a finite number")) }
 }
 
 #[cfg(test)]
@@ -82,11 +75,7 @@ mod tests {
     #[test]
     fn triples_are_three_finite_numbers() {
         assert_eq!("1, -2.5,3e2".parse(), Ok(Triple([1.0, -2.5, 300.0])));
-        for (wrong, said) in [
-            ("1,2", "2 numbers found"),
-            ("1,2,x", "\"x\" is not a number"),
-            ("1,nan,2", "finite"),
-        ] {
+        for (wrong, said) in [("1,2", "2 numbers found"), ("1,2,x", "\"x\" is not a number"), ("1,nan,2", "finite")] {
             let sentence = wrong.parse::<Triple>().unwrap_err();
             assert!(sentence.contains(said), "{sentence}");
         }
@@ -96,13 +85,7 @@ mod tests {
     fn forms_are_named_with_their_sizes() {
         assert_eq!("sphere:1.5".parse(), Ok(Form::Sphere(1.5)));
         assert_eq!("box:59,42,18".parse(), Ok(Form::Box([59.0, 42.0, 18.0])));
-        assert_eq!(
-            "capsule:1,0.5".parse(),
-            Ok(Form::Capsule {
-                half_height: 1.0,
-                radius: 0.5
-            })
-        );
+        assert_eq!("capsule:1,0.5".parse(), Ok(Form::Capsule { half_height: 1.0, radius: 0.5 }));
         for wrong in ["sphere", "sphere:1,2", "cone:1,2", "box:1,2", "capsule:inf,1"] {
             assert!(wrong.parse::<Form>().is_err(), "{wrong}");
         }

@@ -110,16 +110,8 @@ mod tests {
 
     #[test]
     fn a_hit_at_distance_zero_is_printed() {
-        let hit = proto::RayHit {
-            id: 3,
-            distance: Some(0.0),
-            inside: true,
-            ..Default::default()
-        };
-        let answer = proto::RaycastResponse {
-            hits: vec![hit],
-            ..Default::default()
-        };
+        let hit = proto::RayHit { id: 3, distance: Some(0.0), inside: true, ..Default::default() };
+        let answer = proto::RaycastResponse { hits: vec![hit], ..Default::default() };
         assert_eq!(raycast(&answer)["hits"][0]["distance"], json!(0.0));
     }
 }

@@ -55,24 +55,17 @@ impl Load {
         waiting.enable_steady_tick(Duration::from_millis(100));
         let made = client.create_geometry(request).await;
         waiting.finish_and_clear();
-        let info = made?
-            .geometry
-            .ok_or_else(|| Failure::new("the server did not say what it made of the mesh"))?;
+        let info = made?.geometry.ok_or_else(|| Failure::new("the server did not say what it made of the mesh"))?;
         report(out, &info, sent_count, vertex_count)?;
         if let Some(problem) = info.problem {
-            return Err(Failure::new(format!(
-                "the server cannot use the mesh: {}",
-                problem.message
-            )));
+            return Err(Failure::new(format!("the server cannot use the mesh: {}", problem.message)));
         }
         if self.geometry_only {
             return Ok(());
         }
         let mut form = geometry::registered(info.geometry_id);
         form.scale = self.scale;
-        let done = client
-            .edit([shape::of(self.id, form).at(self.at.0).fixed().insert()])
-            .await?;
+        let done = client.edit([shape::of(self.id, form).at(self.at.0).fixed().insert()]).await?;
         Ok(writeln!(out, "shape {}, seen from tick {}", self.id, done.tick)?)
     }
 }
@@ -97,14 +90,8 @@ fn request(path: &Path, triangles: Triangles) -> Result<proto::CreateGeometryReq
         decompose: None,
     };
     let kind = Some(proto::geometry::Kind::Mesh(mesh));
-    let geometry = Some(proto::Geometry {
-        kind,
-        ..proto::Geometry::default()
-    });
-    let request = proto::CreateGeometryRequest {
-        geometry,
-        ..proto::CreateGeometryRequest::default()
-    };
+    let geometry = Some(proto::Geometry { kind, ..proto::Geometry::default() });
+    let request = proto::CreateGeometryRequest { geometry, ..proto::CreateGeometryRequest::default() };
     let found = request.encoded_len();
     // The session's name comes on top, 65 bytes at most.
     if found + 65 > MESSAGE_BYTES_MAX {
@@ -126,11 +113,7 @@ fn report(
     let left_out_count = (sent_count as u64).saturating_sub(info.face_count);
     write!(out, "{} in the file, ", print::count(sent_count as u64, "triangle"))?;
     writeln!(out, "{left_out_count} of them without area and left out")?;
-    writeln!(
-        out,
-        "{vertex_count} vertices sent, {} different ones",
-        info.vertex_count
-    )?;
+    writeln!(out, "{vertex_count} vertices sent, {} different ones", info.vertex_count)?;
     for warning in &info.warnings {
         writeln!(out, "warning: {warning}")?;
     }

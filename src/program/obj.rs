@@ -29,11 +29,7 @@ pub(crate) enum ObjError {
     #[error("{} cannot be read: {source}", path.display())]
     Read { path: PathBuf, source: io::Error },
     #[error("{}, line {line}: {problem}", path.display())]
-    Line {
-        path: PathBuf,
-        line: usize,
-        problem: Problem,
-    },
+    Line { path: PathBuf, line: usize, problem: Problem },
     #[error("{} has {vertex_count} vertices and no faces, so there are no triangles to load", path.display())]
     NoFaces { path: PathBuf, vertex_count: usize },
     #[error("{} is no Wavefront OBJ file that can be understood ({source})", path.display())]
@@ -60,10 +56,7 @@ impl fmt::Display for Problem {
             Self::FewCorners { count } => write!(f, "a face has at least three corners, this one has {count}"),
             Self::Corner { found } => write!(f, "{found:?} is no corner; right ones are 7, 7/1, 7//3, 7/1/3 and -1"),
             Self::NoSuchVertex { found, vertex_count } => {
-                write!(
-                    f,
-                    "corner {found:?} names a vertex that does not exist: {vertex_count} stand before this line"
-                )
+                write!(f, "corner {found:?} names a vertex that does not exist: {vertex_count} stand before this line")
             }
         }
     }
@@ -74,32 +67,17 @@ impl fmt::Display for Problem {
 /// # Errors
 /// A file that cannot be read, is broken, or has no faces.
 pub(crate) fn read<R: Read>(path: &Path, watch: impl FnOnce(File) -> R) -> Result<Triangles, ObjError> {
-    let refuse = |source| ObjError::Read {
-        path: path.to_owned(),
-        source,
-    };
+    let refuse = |source| ObjError::Read { path: path.to_owned(), source };
     let file = File::open(path).map_err(refuse)?;
-    let options = LoadOptions {
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..LoadOptions::default()
-    };
+    let options = LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..LoadOptions::default() };
     // Materials do not matter here, so that a missing material file must not be an error.
     let no_materials = |_: &Path| Ok(Default::default());
     let (models, _) = match tobj::load_obj_buf(&mut BufReader::new(watch(file)), &options, no_materials) {
         Ok(read) => read,
         Err(source) => {
             return Err(match first_wrong_line(path)? {
-                Some((line, problem)) => ObjError::Line {
-                    path: path.to_owned(),
-                    line,
-                    problem,
-                },
-                None => ObjError::Other {
-                    path: path.to_owned(),
-                    source,
-                },
+                Some((line, problem)) => ObjError::Line { path: path.to_owned(), line, problem },
+                None => ObjError::Other { path: path.to_owned(), source },
             });
         }
     };
@@ -107,33 +85,21 @@ pub(crate) fn read<R: Read>(path: &Path, watch: impl FnOnce(File) -> R) -> Resul
     for model in models {
         let first_vertex = (triangles.vertices.len() / 3) as u32;
         triangles.vertices.extend_from_slice(&model.mesh.positions);
-        triangles
-            .indices
-            .extend(model.mesh.indices.iter().map(|index| first_vertex + index));
+        triangles.indices.extend(model.mesh.indices.iter().map(|index| first_vertex + index));
     }
     let is_usable = !triangles.indices.is_empty() && triangles.vertices.iter().all(|number| number.is_finite());
     if is_usable {
         return Ok(triangles);
     }
     match first_wrong_line(path)? {
-        Some((line, problem)) => Err(ObjError::Line {
-            path: path.to_owned(),
-            line,
-            problem,
-        }),
-        None => Err(ObjError::NoFaces {
-            path: path.to_owned(),
-            vertex_count: count_vertices(path)?,
-        }),
+        Some((line, problem)) => Err(ObjError::Line { path: path.to_owned(), line, problem }),
+        None => Err(ObjError::NoFaces { path: path.to_owned(), vertex_count: count_vertices(path)? }),
     }
 }
 
 /// The first line, counted from 1, that is not as it must be.
 fn first_wrong_line(path: &Path) -> Result<Option<(usize, Problem)>, ObjError> {
-    let refuse = |source| ObjError::Read {
-        path: path.to_owned(),
-        source,
-    };
+    let refuse = |source| ObjError::Read { path: path.to_owned(), source };
     let mut vertex_count = 0;
     for (index, line) in BufReader::new(File::open(path).map_err(refuse)?).lines().enumerate() {
         let line = match line {
@@ -160,10 +126,7 @@ fn first_wrong_line(path: &Path) -> Result<Option<(usize, Problem)>, ObjError> {
 }
 
 fn count_vertices(path: &Path) -> Result<usize, ObjError> {
-    let refuse = |source| ObjError::Read {
-        path: path.to_owned(),
-        source,
-    };
+    let refuse = |source| ObjError::Read { path: path.to_owned(), source };
     let mut count = 0;
     for line in BufReader::new(File::open(path).map_err(refuse)?).lines() {
         if line.map_err(refuse)?.split_whitespace().next() == Some("v") {
@@ -196,10 +159,7 @@ fn wrong_face<'a>(words: impl Iterator<Item = &'a str>, vertex_count: usize) -> 
         // Numbers begin at 1; negative ones count back from the last vertex.
         let exists = number != 0 && usize::try_from(number.unsigned_abs()).is_ok_and(|back| back <= vertex_count);
         if !exists {
-            return Some(Problem::NoSuchVertex {
-                found: word.to_owned(),
-                vertex_count,
-            });
+            return Some(Problem::NoSuchVertex { found: word.to_owned(), vertex_count });
         }
     }
     (count < 3).then_some(Problem::FewCorners { count })
@@ -247,20 +207,11 @@ mod tests {
             ("corner", "f 1 2 x\n", "line 4:", "no corner"),
             ("empty", "", "no faces", "3 vertices"),
         ] {
-            let sentence = read_text(name, format!("{corners}{rest}").as_bytes())
-                .unwrap_err()
-                .to_string();
+            let sentence = read_text(name, format!("{corners}{rest}").as_bytes()).unwrap_err().to_string();
             assert!(sentence.contains(line) && sentence.contains(said), "{name}: {sentence}");
         }
-        let sentence = read_text("binary", b"v 0 0 0\n\xff\xfe\x00\x01")
-            .unwrap_err()
-            .to_string();
+        let sentence = read_text("binary", b"v 0 0 0\n\xff\xfe\x00\x01").unwrap_err().to_string();
         assert!(sentence.contains("not text"), "{sentence}");
-        assert!(
-            read(Path::new("/nowhere.obj"), |file| file)
-                .unwrap_err()
-                .to_string()
-                .contains("cannot be read")
-        );
+        assert!(read(Path::new("/nowhere.obj"), |file| file).unwrap_err().to_string().contains("cannot be read"));
     }
 }

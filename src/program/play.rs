@@ -57,13 +57,8 @@ impl FromStr for Kind {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (name, form) = text
-            .split_once('=')
-            .ok_or("a kind is NAME=FORM, such as ball=sphere:0.5")?;
-        Ok(Self {
-            name: name.to_owned(),
-            form: form.parse()?,
-        })
+        let (name, form) = text.split_once('=').ok_or("a kind is NAME=FORM, such as ball=sphere:0.5")?;
+        Ok(Self { name: name.to_owned(), form: form.parse()? })
     }
 }
 
@@ -113,10 +108,7 @@ impl Play {
         played?;
         let tick = writer.flush().await?;
         let seconds = started.elapsed().as_secs_f64();
-        let Tally {
-            frame_count,
-            edit_count,
-        } = tally;
+        let Tally { frame_count, edit_count } = tally;
         let rate = edit_count as f64 / seconds.max(1e-9);
         write!(out, "{frame_count} frames, one tick each, the last is tick {tick}; ")?;
         writeln!(out, "{edit_count} edits in {seconds:.2} s, {rate:.0} edits/s")?;
@@ -173,14 +165,8 @@ struct Stage {
 
 impl Stage {
     fn new(kinds: &[Kind]) -> Self {
-        let forms = kinds
-            .iter()
-            .map(|kind| (kind.name.clone(), kind.form.geometry()))
-            .collect();
-        Self {
-            forms,
-            present: HashSet::new(),
-        }
+        let forms = kinds.iter().map(|kind| (kind.name.clone(), kind.form.geometry())).collect();
+        Self { forms, present: HashSet::new() }
     }
 
     /// The edits of a frame.
@@ -202,9 +188,7 @@ impl Stage {
         }
         let (position, rotation) = (position.map(f64::from), rotation.map(f64::from));
         if self.present.insert(id) {
-            Ok(Some(
-                shape::of(id, form.clone()).at(position).rotated(rotation).insert(),
-            ))
+            Ok(Some(shape::of(id, form.clone()).at(position).rotated(rotation).insert()))
         } else {
             Ok(Some(edit::move_and_turn(id, position, rotation)))
         }
@@ -247,18 +231,11 @@ mod tests {
     use super::*;
 
     fn row(actor: u64, kind: &str, event: Event) -> Row {
-        Row {
-            actor,
-            kind: kind.to_owned(),
-            event,
-        }
+        Row { actor, kind: kind.to_owned(), event }
     }
 
     fn moves() -> Event {
-        Event::Moves {
-            position: [1.0, 2.0, 3.0],
-            rotation: Some([0.0, 0.0, 0.0, 1.0]),
-        }
+        Event::Moves { position: [1.0, 2.0, 3.0], rotation: Some([0.0, 0.0, 0.0, 1.0]) }
     }
 
     fn ops(stage: &mut Stage, rows: Vec<Row>) -> Vec<&'static str> {
@@ -275,25 +252,13 @@ mod tests {
     #[test]
     fn an_actor_is_there_from_its_first_move_to_its_end() {
         let mut stage = Stage::new(&["ball=sphere:1".parse().expect("a kind")]);
-        assert_eq!(
-            ops(&mut stage, vec![row(5, "ball", Event::Appears)]),
-            Vec::<&str>::new()
-        );
-        assert_eq!(
-            ops(&mut stage, vec![row(5, "ball", moves()), row(5, "ball", moves())]),
-            ["insert", "move"]
-        );
-        assert_eq!(
-            ops(&mut stage, vec![row(5, "", Event::Gone), row(5, "", Event::Gone)]),
-            ["remove"]
-        );
+        assert_eq!(ops(&mut stage, vec![row(5, "ball", Event::Appears)]), Vec::<&str>::new());
+        assert_eq!(ops(&mut stage, vec![row(5, "ball", moves()), row(5, "ball", moves())]), ["insert", "move"]);
+        assert_eq!(ops(&mut stage, vec![row(5, "", Event::Gone), row(5, "", Event::Gone)]), ["remove"]);
         assert_eq!(ops(&mut stage, vec![row(5, "ball", moves())]), ["insert"]);
         // An id used again while it is there begins anew.
         assert_eq!(
-            ops(
-                &mut stage,
-                vec![row(5, "ball", Event::Appears), row(5, "ball", moves())]
-            ),
+            ops(&mut stage, vec![row(5, "ball", Event::Appears), row(5, "ball", moves())]),
             ["remove", "insert"]
         );
     }
@@ -301,14 +266,8 @@ mod tests {
     #[test]
     fn other_kinds_and_rows_without_rotation_are_passed_over() {
         let mut stage = Stage::new(&["ball=sphere:1".parse().expect("a kind")]);
-        let unturned = Event::Moves {
-            position: [0.0; 3],
-            rotation: None,
-        };
-        assert_eq!(
-            ops(&mut stage, vec![row(1, "car", moves()), row(2, "ball", unturned)]),
-            Vec::<&str>::new()
-        );
+        let unturned = Event::Moves { position: [0.0; 3], rotation: None };
+        assert_eq!(ops(&mut stage, vec![row(1, "car", moves()), row(2, "ball", unturned)]), Vec::<&str>::new());
     }
 
     #[test]

@@ -35,11 +35,7 @@ pub(crate) fn overlap(answer: &proto::OverlapResponse) -> String {
     let tick = tick_of(answer.info.as_ref());
     let mut lines = vec![match answer.verdict() {
         Verdict::Miss => format!("miss: nothing touches it, proved (tick {tick})"),
-        verdict => format!(
-            "{}: {} (tick {tick})",
-            word(verdict),
-            count(answer.hits.len() as u64, "shape")
-        ),
+        verdict => format!("{}: {} (tick {tick})", word(verdict), count(answer.hits.len() as u64, "shape")),
     }];
     for hit in &answer.hits {
         lines.push(format!("  {}shape {}", doubt(hit.certificate.as_ref()), hit.id));
@@ -54,18 +50,11 @@ pub(crate) fn overlap(answer: &proto::OverlapResponse) -> String {
 pub(crate) fn world(world: &proto::DescribeWorldResponse) -> String {
     let mut lines = vec![
         format!("tick {} (ticks from {} on can be read)", world.tick, world.oldest_tick),
-        format!(
-            "{}, {} of them static",
-            count(world.shape_count, "shape"),
-            world.static_count
-        ),
+        format!("{}, {} of them static", count(world.shape_count, "shape"), world.static_count),
     ];
     if let Some(bounds) = &world.bounds {
         lines.push(format!("between {} and {}", vector(bounds.min), vector(bounds.max)));
-        lines.push(format!(
-            "nothing out there is known better than {:.1e} m",
-            world.coordinate_step
-        ));
+        lines.push(format!("nothing out there is known better than {:.1e} m", world.coordinate_step));
     }
     lines.push(format!(
         "{}, {}, {} of them undecided",
@@ -74,11 +63,7 @@ pub(crate) fn world(world: &proto::DescribeWorldResponse) -> String {
         world.undecided_count
     ));
     if world.tree_depth > 0 {
-        lines.push(format!(
-            "dynamic tree: {} deep, cost {}",
-            world.tree_depth,
-            number(world.tree_cost)
-        ));
+        lines.push(format!("dynamic tree: {} deep, cost {}", world.tree_depth, number(world.tree_cost)));
     }
     if let Some(took) = &world.last_commit {
         lines.push(format!("the last commit took {}", seconds(took)));
@@ -97,11 +82,7 @@ pub(crate) fn world(world: &proto::DescribeWorldResponse) -> String {
 
 /// A count with its noun.
 pub(crate) fn count(count: u64, noun: &str) -> String {
-    if count == 1 {
-        format!("1 {noun}")
-    } else {
-        format!("{count} {noun}s")
-    }
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
 fn word(verdict: Verdict) -> &'static str {
@@ -176,46 +157,24 @@ mod tests {
 
     #[test]
     fn numbers_have_no_idle_digits() {
-        for (value, text) in [
-            (4.0, "4"),
-            (0.1, "0.1"),
-            (-0.0, "0"),
-            (-1e-9, "0"),
-            (1.0 / 3.0, "0.333333"),
-        ] {
+        for (value, text) in [(4.0, "4"), (0.1, "0.1"), (-0.0, "0"), (-1e-9, "0"), (1.0 / 3.0, "0.333333")] {
             assert_eq!(number(value), text);
         }
     }
 
     #[test]
     fn a_miss_says_that_it_is_proved() {
-        let answer = proto::RaycastResponse {
-            verdict: Verdict::Miss.into(),
-            ..Default::default()
-        };
+        let answer = proto::RaycastResponse { verdict: Verdict::Miss.into(), ..Default::default() };
         assert!(raycast(&answer).starts_with("miss: the way is proved free"));
     }
 
     #[test]
     fn what_is_not_proved_reads_as_perhaps() {
-        let certificate = proto::Certificate {
-            verdict: Verdict::Undecided.into(),
-            ..Default::default()
-        };
-        let hit = proto::OverlapHit {
-            id: 7,
-            certificate: Some(certificate),
-            ..Default::default()
-        };
-        let answer = proto::OverlapResponse {
-            verdict: Verdict::Undecided.into(),
-            hits: vec![hit],
-            ..Default::default()
-        };
+        let certificate = proto::Certificate { verdict: Verdict::Undecided.into(), ..Default::default() };
+        let hit = proto::OverlapHit { id: 7, certificate: Some(certificate), ..Default::default() };
+        let answer =
+            proto::OverlapResponse { verdict: Verdict::Undecided.into(), hits: vec![hit], ..Default::default() };
         let text = overlap(&answer);
-        assert!(
-            text.starts_with("undecided: 1 shape") && text.contains("perhaps shape 7"),
-            "{text}"
-        );
+        assert!(text.starts_with("undecided: 1 shape") && text.contains("perhaps shape 7"), "{text}");
     }
 }

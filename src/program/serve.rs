@@ -35,11 +35,7 @@ impl Serve {
         let mut stops = Stops::listen()?;
         let running = serve::start(settings.clone()).await?;
         let address = running.local_addr();
-        let show = if self.demo {
-            Some(demo::start(&running, &settings, self.seed).await?)
-        } else {
-            None
-        };
+        let show = if self.demo { Some(demo::start(&running, &settings, self.seed).await?) } else { None };
         let told = match &show {
             Some(show) => show.about(reachable(address)),
             None => first_steps(reachable(address), &settings),
@@ -100,10 +96,7 @@ struct Stops {
 
 impl Stops {
     fn listen() -> Result<Self, Failure> {
-        Ok(Self {
-            interrupt: signal(SignalKind::interrupt())?,
-            terminate: signal(SignalKind::terminate())?,
-        })
+        Ok(Self { interrupt: signal(SignalKind::interrupt())?, terminate: signal(SignalKind::terminate())? })
     }
 
     /// The next of them.

@@ -11,12 +11,7 @@ use super::Failure;
 #[derive(Debug, Args)]
 pub(crate) struct Target {
     /// The server
-    #[arg(
-        long,
-        env = "CALIPERS_SERVER",
-        value_name = "ADDR:PORT",
-        default_value = "127.0.0.1:7070"
-    )]
+    #[arg(long, env = "CALIPERS_SERVER", value_name = "ADDR:PORT", default_value = "127.0.0.1:7070")]
     server: String,
     /// The session whose world is meant
     #[arg(long, env = "CALIPERS_SESSION", value_name = "ID", default_value = "default")]
@@ -29,10 +24,7 @@ pub(crate) struct Target {
 impl Target {
     /// A client whose calls are given up after `deadline`.
     pub(crate) async fn connect(&self, deadline: Duration) -> Result<Client, Failure> {
-        let client = Client::connect(&self.server)
-            .await?
-            .with_session(self.session.as_str())
-            .with_deadline(deadline);
+        let client = Client::connect(&self.server).await?.with_session(self.session.as_str()).with_deadline(deadline);
         match &self.token {
             Some(token) => Ok(client.with_token(token)?),
             None => Ok(client),

@@ -49,19 +49,11 @@ pub(crate) enum TraceError {
     #[error("{} has no column {name:?}; a trace has frame, time, op, actor, kind, px, py, pz, qx, qy, qz, qw", path.display())]
     Column { path: PathBuf, name: &'static str },
     #[error("{}, line {line}: {name} is {found:?}, it must be {wanted}", path.display())]
-    Field {
-        path: PathBuf,
-        line: u64,
-        name: &'static str,
-        found: String,
-        wanted: &'static str,
-    },
+    Field { path: PathBuf, line: u64, name: &'static str, found: String, wanted: &'static str },
 }
 
 /// Names of the columns, in the order of their places.
-const COLUMNS: [&str; 12] = [
-    "frame", "time", "op", "actor", "kind", "px", "py", "pz", "qx", "qy", "qz", "qw",
-];
+const COLUMNS: [&str; 12] = ["frame", "time", "op", "actor", "kind", "px", "py", "pz", "qx", "qy", "qz", "qw"];
 
 /// A trace that is being read.
 pub(crate) struct Trace {
@@ -79,37 +71,20 @@ impl Trace {
     /// # Errors
     /// A file that cannot be read, or that lacks a column.
     pub(crate) fn open(path: &Path) -> Result<Self, TraceError> {
-        let file = File::open(path).map_err(|source| TraceError::Open {
-            path: path.to_owned(),
-            source,
-        })?;
+        let file = File::open(path).map_err(|source| TraceError::Open { path: path.to_owned(), source })?;
         let buffered = BufReader::new(file);
         let input: Box<dyn Read + Send> = match path.extension() {
             Some(extension) if extension == "gz" => Box::new(MultiGzDecoder::new(buffered)),
             _ => Box::new(buffered),
         };
         let mut records = csv::Reader::from_reader(input);
-        let header = records
-            .headers()
-            .map_err(|source| TraceError::Csv {
-                path: path.to_owned(),
-                source,
-            })?
-            .clone();
+        let header = records.headers().map_err(|source| TraceError::Csv { path: path.to_owned(), source })?.clone();
         let mut places = [0; COLUMNS.len()];
         for (place, name) in places.iter_mut().zip(COLUMNS) {
             let found = header.iter().position(|column| column.trim() == name);
-            *place = found.ok_or_else(|| TraceError::Column {
-                path: path.to_owned(),
-                name,
-            })?;
+            *place = found.ok_or_else(|| TraceError::Column { path: path.to_owned(), name })?;
         }
-        let mut trace = Self {
-            path: path.to_owned(),
-            records,
-            places,
-            ahead: None,
-        };
+        let mut trace = Self { path: path.to_owned(), records, places, ahead: None };
         trace.ahead = trace.next_row()?;
         Ok(trace)
     }
@@ -122,10 +97,7 @@ impl Trace {
         let Some((number, time, first)) = self.ahead.take() else {
             return Ok(None);
         };
-        let mut frame = Frame {
-            time,
-            rows: vec![first],
-        };
+        let mut frame = Frame { time, rows: vec![first] };
         loop {
             match self.next_row()? {
                 Some((of_frame, _, row)) if of_frame == number => frame.rows.push(row),
@@ -140,10 +112,7 @@ impl Trace {
     fn next_row(&mut self) -> Result<Option<(u64, f64, Row)>, TraceError> {
         let mut record = StringRecord::new();
         let read = self.records.read_record(&mut record);
-        if !read.map_err(|source| TraceError::Csv {
-            path: self.path.clone(),
-            source,
-        })? {
+        if !read.map_err(|source| TraceError::Csv { path: self.path.clone(), source })? {
             return Ok(None);
         }
         let frame = self.field(&record, "frame", "a whole number")?;
@@ -152,29 +121,14 @@ impl Trace {
         let event = match self.text(&record, "op") {
             "N" => Event::Appears,
             "D" => Event::Gone,
-            "M" => Event::Moves {
-                position: self.triple(&record)?,
-                rotation: self.rotation(&record)?,
-            },
+            "M" => Event::Moves { position: self.triple(&record)?, rotation: self.rotation(&record)? },
             found => return Err(self.wrong(&record, "op", found, "N, M or D")),
         };
-        Ok(Some((
-            frame,
-            time,
-            Row {
-                actor,
-                kind: self.text(&record, "kind").to_owned(),
-                event,
-            },
-        )))
+        Ok(Some((frame, time, Row { actor, kind: self.text(&record, "kind").to_owned(), event })))
     }
 
     fn triple(&self, record: &StringRecord) -> Result<[f32; 3], TraceError> {
-        Ok([
-            self.number(record, "px")?,
-            self.number(record, "py")?,
-            self.number(record, "pz")?,
-        ])
+        Ok([self.number(record, "px")?, self.number(record, "py")?, self.number(record, "pz")?])
     }
 
     fn rotation(&self, record: &StringRecord) -> Result<Option<[f32; 4]>, TraceError> {
@@ -194,11 +148,7 @@ impl Trace {
         // Parsed in double precision and then rounded, because that is what a trace's format says: the two steps do not
         // always give what parsing straight to single precision gives.
         let number = self.field::<f64>(record, name, wanted)? as f32;
-        if number.is_finite() {
-            Ok(number)
-        } else {
-            Err(self.wrong(record, name, self.text(record, name), wanted))
-        }
+        if number.is_finite() { Ok(number) } else { Err(self.wrong(record, name, self.text(record, name), wanted)) }
     }
 
     fn field<T: std::str::FromStr>(
@@ -214,21 +164,12 @@ impl Trace {
     /// The field, or nothing where the row is too short to have it.
     fn text<'a>(&self, record: &'a StringRecord, name: &str) -> &'a str {
         let column = COLUMNS.iter().position(|column| *column == name);
-        column
-            .and_then(|column| record.get(self.places[column]))
-            .unwrap_or_default()
-            .trim()
+        column.and_then(|column| record.get(self.places[column])).unwrap_or_default().trim()
     }
 
     fn wrong(&self, record: &StringRecord, name: &'static str, found: &str, wanted: &'static str) -> TraceError {
         let line = record.position().map_or(0, csv::Position::line);
-        TraceError::Field {
-            path: self.path.clone(),
-            line,
-            name,
-            found: found.to_owned(),
-            wanted,
-        }
+        TraceError::Field { path: self.path.clone(), line, name, found: found.to_owned(), wanted }
     }
 }
 
@@ -258,27 +199,14 @@ mod tests {
     fn rows_are_gathered_by_frame() {
         let text = format!("{HEADER}0,0.5,N,5,ball,,,,,,,,\n0,0.5,M,5,ball,0.1,2,3,0,0,0,1,\n4,0.75,D,5,,,,,,,,,\n");
         let frames = all_frames(open_text("rows.csv", text.as_bytes()).expect("it opens")).expect("it is whole");
-        let row = |kind: &str, event| Row {
-            actor: 5,
-            kind: kind.to_owned(),
-            event,
-        };
+        let row = |kind: &str, event| Row { actor: 5, kind: kind.to_owned(), event };
         let position = [0.1_f32, 2.0, 3.0];
-        let moves = Event::Moves {
-            position,
-            rotation: Some([0.0, 0.0, 0.0, 1.0]),
-        };
+        let moves = Event::Moves { position, rotation: Some([0.0, 0.0, 0.0, 1.0]) };
         assert_eq!(
             frames,
             [
-                Frame {
-                    time: 0.5,
-                    rows: vec![row("ball", Event::Appears), row("ball", moves)]
-                },
-                Frame {
-                    time: 0.75,
-                    rows: vec![row("", Event::Gone)]
-                },
+                Frame { time: 0.5, rows: vec![row("ball", Event::Appears), row("ball", moves)] },
+                Frame { time: 0.75, rows: vec![row("", Event::Gone)] },
             ]
         );
     }
@@ -312,17 +240,10 @@ mod tests {
             ("0,0,M,1,car,1,nan,3,0,0,0,1,", "line 2: py is \"nan\""),
             ("0,0,M,1,car,1,2,3,0,0,,1,", "line 2: qz is \"\""),
         ] {
-            let sentence = open_text("wrong.csv", format!("{HEADER}{row}\n").as_bytes())
-                .err()
-                .map(|e| e.to_string());
-            assert!(
-                sentence.as_ref().is_some_and(|sentence| sentence.contains(said)),
-                "{sentence:?}"
-            );
+            let sentence = open_text("wrong.csv", format!("{HEADER}{row}\n").as_bytes()).err().map(|e| e.to_string());
+            assert!(sentence.as_ref().is_some_and(|sentence| sentence.contains(said)), "{sentence:?}");
         }
-        let sentence = open_text("column.csv", b"frame,time,op\n")
-            .err()
-            .map(|error| error.to_string());
+        let sentence = open_text("column.csv", b"frame,time,op\n").err().map(|error| error.to_string());
         assert!(sentence.is_some_and(|sentence| sentence.contains("no column \"actor\"")));
     }
 }

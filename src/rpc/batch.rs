@@ -59,25 +59,14 @@ pub(super) async fn answer(
         }
         answers.push(answer_one(question, &scene, index));
     }
-    let info = pb::AnswerInfo {
-        tick: scene.snapshot.tick().get(),
-        ..pb::AnswerInfo::default()
-    };
-    let response = pb::BatchResponse {
-        answers,
-        info: Some(info),
-    };
-    Ok(Response::new(fitting(
-        response,
-        "ask for fewer hits, or in several batches",
-    )?))
+    let info = pb::AnswerInfo { tick: scene.snapshot.tick().get(), ..pb::AnswerInfo::default() };
+    let response = pb::BatchResponse { answers, info: Some(info) };
+    Ok(Response::new(fitting(response, "ask for fewer hits, or in several batches")?))
 }
 
 fn answer_one(question: &pb::Question, scene: &Scene, index: usize) -> pb::Answer {
     let answered = fenced("answering a question", || answer_kind(question, scene)).and_then(|answered| answered);
-    let kind = answered
-        .under_item("questions", index)
-        .unwrap_or_else(|problem| Kind::Problem(problem.into_wire()));
+    let kind = answered.under_item("questions", index).unwrap_or_else(|problem| Kind::Problem(problem.into_wire()));
     pb::Answer { answer: Some(kind) }
 }
 

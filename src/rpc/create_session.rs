@@ -25,10 +25,7 @@ pub(super) fn answer(
     check_settings(sent.settings.as_ref()).under("settings")?;
     let retry = RetryKey::of(&sent.request_id, &sent)?;
     let created = server.registry.create(&sent.session, lease, retry)?;
-    Ok(Response::new(pb::CreateSessionResponse {
-        session: Some(session_out(&created.session)),
-        token: created.token,
-    }))
+    Ok(Response::new(pb::CreateSessionResponse { session: Some(session_out(&created.session)), token: created.token }))
 }
 
 /// A lease, if one is named.

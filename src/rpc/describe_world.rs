@@ -36,10 +36,7 @@ pub(super) async fn answer(
     });
     let counters = &session.counters;
     Ok(Response::new(pb::DescribeWorldResponse {
-        settings: Some(pb::WorldSettings {
-            history_ticks: Some(0),
-            margin: None,
-        }),
+        settings: Some(pb::WorldSettings { history_ticks: Some(0), margin: None }),
         tick: description.tick.get(),
         oldest_tick: description.tick.get(),
         time: Some(timestamp(description.time)),

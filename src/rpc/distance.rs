@@ -15,13 +15,6 @@ use crate::{
 pub(super) fn answer(sent: &pb::DistanceRequest, scene: &Scene) -> Checked<pb::DistanceResponse> {
     let question = asked::distance(sent, &scene.session.geometries)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (hits, work) = scene.ask(|meter| {
-        scene
-            .snapshot
-            .distance(&question, &terms.filter, &terms.accuracy, meter)
-    })?;
-    Ok(pb::DistanceResponse {
-        info: scene.info(&terms, &work),
-        ..found::distance(&hits)?
-    })
+    let (hits, work) = scene.ask(|meter| scene.snapshot.distance(&question, &terms.filter, &terms.accuracy, meter))?;
+    Ok(pb::DistanceResponse { info: scene.info(&terms, &work), ..found::distance(&hits)? })
 }

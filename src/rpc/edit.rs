@@ -36,12 +36,7 @@ pub(super) async fn answer(
     let retry = RetryKey::of(&sent.request_id, &sent)?;
     if retry.is_some() {
         // Before anything is looked at: what the first request named, such as a geometry, may be gone by now.
-        let first = session
-            .writer
-            .lock()
-            .await
-            .retries
-            .find(retry.as_ref(), Instant::now())?;
+        let first = session.writer.lock().await.retries.find(retry.as_ref(), Instant::now())?;
         if let Some(first) = first {
             return Ok(Response::new(response(first)));
         }
@@ -60,10 +55,7 @@ pub(super) async fn answer(
         let Expanded { edits, places, .. } = batch;
         let applied = session.commit(&mut writer, edits, when, EditRule::AllOrNothing)?;
         let report = applied.map_err(|error| refused(error, &places))?;
-        let committed = Committed {
-            tick: report.tick,
-            changed_count: report.changed_count,
-        };
+        let committed = Committed { tick: report.tick, changed_count: report.changed_count };
         writer.retries.keep(retry, &committed, Instant::now());
         Ok(committed)
     });

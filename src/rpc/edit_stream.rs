@@ -131,8 +131,7 @@ impl Pending {
 
     fn add(&mut self, sequence: u64, expanded: Expanded) {
         self.edits.extend(expanded.edits);
-        self.origins
-            .extend(expanded.places.into_iter().map(|place| (sequence, place)));
+        self.origins.extend(expanded.places.into_iter().map(|place| (sequence, place)));
         for problem in expanded.problems {
             self.add_problem(sequence, problem);
         }
@@ -142,10 +141,7 @@ impl Pending {
     fn into_problems(self) -> Vec<pb::Problem> {
         let mut problems = self.problems;
         if self.untold_problem_count > 0 {
-            let what = format!(
-                "{} more edits were left out, too many to tell",
-                self.untold_problem_count
-            );
+            let what = format!("{} more edits were left out, too many to tell", self.untold_problem_count);
             problems.push(Problem::new(Reason::TooManyItems, what).into_wire());
         }
         problems
@@ -228,9 +224,7 @@ impl Stream {
     async fn read(&mut self, message: pb::EditStreamRequest, weight: Weight) -> Checked<()> {
         let sequence = message.sequence;
         let session = self.session.clone();
-        let reading = compute::run(weight, "reading edits", move || {
-            expand(&message.edits, &session.geometries)
-        });
+        let reading = compute::run(weight, "reading edits", move || expand(&message.edits, &session.geometries));
         match reading.await {
             Ok(expanded) => self.pending.add(sequence, expanded),
             Err(problem) => self.pending.add_problem(sequence, problem),
@@ -270,10 +264,7 @@ impl Stream {
                     pending.add_problem(sequence, fault(*left_out, place));
                 }
             }
-            let acked = Acked {
-                sequence,
-                tick: Some(report.tick),
-            };
+            let acked = Acked { sequence, tick: Some(report.tick) };
             writer.acknowledge(&name, acked);
             Ok((acked, pending.into_problems()))
         })
@@ -333,9 +324,5 @@ fn stopping() -> Problem {
 
 /// What the API says of a stream that cannot be read on.
 fn the_api_says(status: Status) -> Status {
-    if is_too_large(&status) {
-        too_large(&status)
-    } else {
-        status
-    }
+    if is_too_large(&status) { too_large(&status) } else { status }
 }

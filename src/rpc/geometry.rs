@@ -39,9 +39,7 @@ pub(super) async fn create(
         let geometry = session.geometries.register(geometry, &newest)?;
         info_out(&geometry, uses(&newest, std::slice::from_ref(&geometry))[0])
     });
-    Ok(Response::new(pb::CreateGeometryResponse {
-        geometry: Some(info.await?),
-    }))
+    Ok(Response::new(pb::CreateGeometryResponse { geometry: Some(info.await?) }))
 }
 
 /// Says how a geometry stands. All are ready at once, so `wait` never waits.
@@ -57,9 +55,7 @@ pub(super) fn get(
     let session = server.enter(&caller, &sent.session, Role::Reader)?;
     let geometry = session.geometries.get(&sent.geometry_id)?;
     let shape_count = uses(&session.newest(), std::slice::from_ref(&geometry))[0];
-    Ok(Response::new(pb::GetGeometryResponse {
-        geometry: Some(info_out(&geometry, shape_count)?),
-    }))
+    Ok(Response::new(pb::GetGeometryResponse { geometry: Some(info_out(&geometry, shape_count)?) }))
 }
 
 /// Lists registered geometries; a page token is the last id of the page before.
@@ -81,14 +77,8 @@ pub(super) fn list(
     };
     let page = &found[..found.len().min(most)];
     let counts = uses(&session.newest(), page);
-    let infos = page
-        .iter()
-        .zip(counts)
-        .map(|(geometry, shape_count)| info_out(geometry, shape_count));
-    Ok(Response::new(pb::ListGeometriesResponse {
-        geometries: infos.collect::<Checked<_>>()?,
-        next_page_token,
-    }))
+    let infos = page.iter().zip(counts).map(|(geometry, shape_count)| info_out(geometry, shape_count));
+    Ok(Response::new(pb::ListGeometriesResponse { geometries: infos.collect::<Checked<_>>()?, next_page_token }))
 }
 
 /// Forgets a geometry; one that is gone is not an error.

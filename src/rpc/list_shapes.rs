@@ -37,12 +37,7 @@ pub(super) async fn list(
     let bounds = sent.bounds.as_ref().map(aabb).transpose().under("bounds")?;
     let (snapshot, after) = match parse_token(&sent.page_token)? {
         Some((tick, after)) => (session.paged(tick)?, Some(after)),
-        None => (
-            session
-                .pin(read_at(sent.read_at.as_ref()).under("read_at")?, caller.deadline)
-                .await?,
-            None,
-        ),
+        None => (session.pin(read_at(sent.read_at.as_ref()).under("read_at")?, caller.deadline).await?, None),
     };
     // One more than asked tells whether there is a next page.
     let found = snapshot.shapes_after(after, most + 1, bounds);
@@ -63,11 +58,7 @@ pub(super) async fn list(
         }
         Some(_) | None => String::new(),
     };
-    Ok(Response::new(pb::ListShapesResponse {
-        shapes,
-        next_page_token,
-        info: Some(info(snapshot.tick())),
-    }))
+    Ok(Response::new(pb::ListShapesResponse { shapes, next_page_token, info: Some(info(snapshot.tick())) }))
 }
 
 /// Says where a shape is.
@@ -87,17 +78,11 @@ pub(super) async fn get(
     let Some(shape) = snapshot.shape(id) else {
         return Err(shape_not_found("id", sent.id, snapshot.tick()).into());
     };
-    Ok(Response::new(pb::GetShapeResponse {
-        shape: Some(shape_out(shape)),
-        info: Some(info(snapshot.tick())),
-    }))
+    Ok(Response::new(pb::GetShapeResponse { shape: Some(shape_out(shape)), info: Some(info(snapshot.tick())) }))
 }
 
 fn info(tick: Tick) -> pb::AnswerInfo {
-    pb::AnswerInfo {
-        tick: tick.get(),
-        ..pb::AnswerInfo::default()
-    }
+    pb::AnswerInfo { tick: tick.get(), ..pb::AnswerInfo::default() }
 }
 
 fn parse_token(token: &str) -> Checked<Option<(Tick, ShapeId)>> {

@@ -76,20 +76,12 @@ struct Caller {
 
 impl Caller {
     fn of<T>(request: &Request<T>) -> Self {
-        let authorization = request
-            .metadata()
-            .get("authorization")
-            .and_then(|value| value.to_str().ok());
-        let token = authorization
-            .and_then(|text| text.split_once(' '))
-            .and_then(|(scheme, token)| {
-                let is_bearer = scheme.eq_ignore_ascii_case("bearer");
-                is_bearer.then(|| token.trim().to_owned())
-            });
-        Self {
-            token,
-            deadline: request.extensions().get::<Deadline>().copied().unwrap_or_default(),
-        }
+        let authorization = request.metadata().get("authorization").and_then(|value| value.to_str().ok());
+        let token = authorization.and_then(|text| text.split_once(' ')).and_then(|(scheme, token)| {
+            let is_bearer = scheme.eq_ignore_ascii_case("bearer");
+            is_bearer.then(|| token.trim().to_owned())
+        });
+        Self { token, deadline: request.extensions().get::<Deadline>().copied().unwrap_or_default() }
     }
 }
 
@@ -103,9 +95,7 @@ fn fitting<A: Message>(answer: A, remedy: &str) -> Checked<A> {
         return Ok(answer);
     }
     let what = format!("the answer would have {bytes} bytes, and a message may have {MESSAGE_BYTES}: {remedy}");
-    Err(Problem::new(Reason::QuotaExceeded, what)
-        .with("quota", "message_bytes")
-        .with("limit", MESSAGE_BYTES))
+    Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "message_bytes").with("limit", MESSAGE_BYTES))
 }
 
 /// The routes of the four services.

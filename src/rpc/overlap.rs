@@ -16,8 +16,5 @@ pub(super) fn answer(sent: &pb::OverlapRequest, scene: &Scene) -> Checked<pb::Ov
     let question = asked::overlap(sent, &scene.session.geometries)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
     let (hits, work) = scene.ask(|meter| scene.snapshot.overlap(&question, &terms.filter, &terms.accuracy, meter))?;
-    Ok(pb::OverlapResponse {
-        info: scene.info(&terms, &work),
-        ..found::overlap(&hits)?
-    })
+    Ok(pb::OverlapResponse { info: scene.info(&terms, &work), ..found::overlap(&hits)? })
 }

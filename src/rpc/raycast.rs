@@ -16,8 +16,5 @@ pub(super) fn answer(sent: &pb::RaycastRequest, scene: &Scene) -> Checked<pb::Ra
     let question = asked::raycast(sent)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
     let (hits, work) = scene.ask(|meter| scene.snapshot.raycast(&question, &terms.filter, &terms.accuracy, meter))?;
-    Ok(pb::RaycastResponse {
-        info: scene.info(&terms, &work),
-        ..found::raycast(&hits)?
-    })
+    Ok(pb::RaycastResponse { info: scene.info(&terms, &work), ..found::raycast(&hits)? })
 }

@@ -42,11 +42,7 @@ impl Terms {
             Some(accuracy) => question::accuracy(Some(accuracy)).under("options.accuracy")?,
             None => self.accuracy,
         };
-        Ok(Self {
-            filter,
-            accuracy,
-            explain: self.explain || own.explain,
-        })
+        Ok(Self { filter, accuracy, explain: self.explain || own.explain })
     }
 }
 
@@ -95,15 +91,8 @@ impl Scene {
     pub(super) fn info(&self, terms: &Terms, work: &Work) -> Option<pb::AnswerInfo> {
         let work = terms.explain.then(|| answer::work(work));
         match self.naming {
-            Naming::Tick => Some(pb::AnswerInfo {
-                tick: self.snapshot.tick().get(),
-                tick_fraction: 0.0,
-                work,
-            }),
-            Naming::Nothing => work.map(|work| pb::AnswerInfo {
-                work: Some(work),
-                ..pb::AnswerInfo::default()
-            }),
+            Naming::Tick => Some(pb::AnswerInfo { tick: self.snapshot.tick().get(), tick_fraction: 0.0, work }),
+            Naming::Nothing => work.map(|work| pb::AnswerInfo { work: Some(work), ..pb::AnswerInfo::default() }),
         }
     }
 }
@@ -130,13 +119,7 @@ macro_rules! asking {
     };
 }
 
-asking!(
-    pb::RaycastRequest,
-    pb::OverlapRequest,
-    pb::PenetrationRequest,
-    pb::TimeOfImpactRequest,
-    pb::DistanceRequest
-);
+asking!(pb::RaycastRequest, pb::OverlapRequest, pb::PenetrationRequest, pb::TimeOfImpactRequest, pb::DistanceRequest);
 
 /// Answers a unary question.
 ///

@@ -21,9 +21,7 @@ pub(super) fn get(
 ) -> Result<Response<pb::GetSessionResponse>, Status> {
     let caller = Caller::of(&request);
     let session = server.enter(&caller, &request.into_inner().session, Role::Owner)?;
-    Ok(Response::new(pb::GetSessionResponse {
-        session: Some(session_out(&session)),
-    }))
+    Ok(Response::new(pb::GetSessionResponse { session: Some(session_out(&session)) }))
 }
 
 /// Renews a lease.
@@ -43,9 +41,7 @@ pub(super) fn renew(
         return Err(Problem::at("lease", Reason::OutOfLimits, what).into());
     }
     session.lease.renew(lease);
-    Ok(Response::new(pb::RenewSessionResponse {
-        session: Some(session_out(&session)),
-    }))
+    Ok(Response::new(pb::RenewSessionResponse { session: Some(session_out(&session)) }))
 }
 
 /// Lists sessions; a page token is the last id of the page before.
@@ -102,16 +98,10 @@ pub(super) fn create_token(
     let (session, own) = server.registry.enter(&sent.session, token, Role::Reader)?;
     let role = role(sent.role, own)?;
     if role > own {
-        let what = format!(
-            "is {}, and the caller's own is {}: ask for that or less",
-            role.name(),
-            own.name()
-        );
+        let what = format!("is {}, and the caller's own is {}: ask for that or less", role.name(), own.name());
         return Err(Problem::at("role", Reason::RoleTooLow, what).into());
     }
-    Ok(Response::new(pb::CreateTokenResponse {
-        token: session.create_token(role)?,
-    }))
+    Ok(Response::new(pb::CreateTokenResponse { token: session.create_token(role)? }))
 }
 
 /// A session as it is sent.
@@ -133,10 +123,6 @@ fn role(sent: i32, own: Role) -> Checked<Role> {
         Ok(pb::Role::Reader) => Ok(Role::Reader),
         Ok(pb::Role::Writer) => Ok(Role::Writer),
         Ok(pb::Role::Owner) => Ok(Role::Owner),
-        Err(_) => Err(unknown_enum(
-            "role",
-            sent,
-            "ROLE_READER (1), ROLE_WRITER (2), ROLE_OWNER (3)",
-        )),
+        Err(_) => Err(unknown_enum("role", sent, "ROLE_READER (1), ROLE_WRITER (2), ROLE_OWNER (3)")),
     }
 }

@@ -14,10 +14,7 @@ fn a_command_line_that_is_not_understood_is_exit_2_with_a_sentence() {
         (&["overlap", "box:1,2"], "2 numbers do not make a box"),
         (&["play", "trace.csv"], "--kind"),
         (&["play", "trace.csv", "--kind", "car"], "a kind is NAME=FORM"),
-        (
-            &["play", "trace.csv", "--kind", "car=sphere:1", "--speed", "-1"],
-            "a speed is a number above 0",
-        ),
+        (&["play", "trace.csv", "--kind", "car=sphere:1", "--speed", "-1"], "a speed is a number above 0"),
         (&["load", "level.obj", "--id", "0"], "0 is not in 1.."),
         (&["serve", "--seed", "2"], "--demo"),
         (&["survey"], "unrecognized subcommand 'survey'"),
@@ -44,18 +41,11 @@ fn help_names_every_command_and_the_exit_codes() {
 
 #[test]
 fn no_server_is_exit_1_and_names_the_address() {
-    for arguments in [
-        &["describe"][..],
-        &["raycast", "0,0,0", "-1,0,0"],
-        &["overlap", "sphere:1", "--at", "-1,0,0"],
-    ] {
+    for arguments in [&["describe"][..], &["raycast", "0,0,0", "-1,0,0"], &["overlap", "sphere:1", "--at", "-1,0,0"]] {
         // Port 1 of this machine: nothing listens there.
         let answer = run(&[arguments, &["--server", "127.0.0.1:1"]].concat());
         assert_eq!(answer.code, Some(1), "{answer:?}");
-        assert!(
-            answer.err.contains("no Calipers server answers at 127.0.0.1:1"),
-            "{answer:?}"
-        );
+        assert!(answer.err.contains("no Calipers server answers at 127.0.0.1:1"), "{answer:?}");
     }
 }
 
@@ -68,10 +58,7 @@ fn an_unknown_session_and_a_wrong_question_are_exit_1_with_the_servers_sentence(
     assert!(unknown.err.contains("nowhere"), "{unknown:?}");
     let still = of(&["raycast", "0,0,0", "0,0,0"]);
     assert_eq!(still.code, Some(1), "{still:?}");
-    assert!(
-        still.err.contains("INVALID_ARGUMENT") && still.err.contains("direction"),
-        "{still:?}"
-    );
+    assert!(still.err.contains("INVALID_ARGUMENT") && still.err.contains("direction"), "{still:?}");
 }
 
 #[test]

@@ -44,11 +44,7 @@ pub(crate) fn run_interrupted(arguments: &[&str], after: Duration) -> Said {
 impl From<Output> for Said {
     fn from(Output { status, stdout, stderr }: Output) -> Self {
         let text = |bytes| String::from_utf8(bytes).expect("the program writes text");
-        Self {
-            code: status.code(),
-            out: text(stdout),
-            err: text(stderr),
-        }
+        Self { code: status.code(), out: text(stdout), err: text(stderr) }
     }
 }
 
@@ -56,13 +52,7 @@ impl From<Output> for Said {
 fn signal(child: &Child, name: &str) {
     // The shell's own kill, because not every system has one as a program.
     let line = format!("kill -{name} {}", child.id());
-    assert!(
-        Command::new("sh")
-            .args(["-c", &line])
-            .status()
-            .expect("there is a shell")
-            .success()
-    );
+    assert!(Command::new("sh").args(["-c", &line]).status().expect("there is a shell").success());
 }
 
 /// Runs a command that must succeed, and returns what it printed.
@@ -88,11 +78,8 @@ impl Server {
     /// Starts `calipers serve` on a free port, and waits until it says where it listens.
     pub(crate) fn start(arguments: &[&str]) -> Self {
         let arguments = [&["serve", "--listen", "127.0.0.1:0"], arguments].concat();
-        let mut child = command(&arguments)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the program can be run");
+        let mut child =
+            command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program can be run");
         let mut stderr = child.stderr.take().expect("standard error is piped");
         let log = thread::spawn(move || {
             let mut text = String::new();
@@ -104,10 +91,7 @@ impl Server {
         let mut address = None;
         // The announcement ends with the line that asks the first ray.
         while !announced.contains("calipers.v1.QueryService/Raycast") {
-            let line = lines
-                .next()
-                .expect("the server announces itself")
-                .expect("the program writes text");
+            let line = lines.next().expect("the server announces itself").expect("the program writes text");
             if let Some((_, after)) = line.split_once(" listens on ") {
                 address = Some(after.to_owned());
             }
@@ -115,13 +99,7 @@ impl Server {
             announced.push('\n');
         }
         let address = address.expect("the announcement says where it listens");
-        Self {
-            child,
-            address,
-            announced,
-            log: Some(log),
-            _lines: lines,
-        }
+        Self { child, address, announced, log: Some(log), _lines: lines }
     }
 
     pub(crate) fn address(&self) -> &str {
@@ -143,12 +121,7 @@ impl Server {
             }
             thread::sleep(Duration::from_millis(5));
         };
-        let log = self
-            .log
-            .take()
-            .expect("the log is read once")
-            .join()
-            .expect("the log is text");
+        let log = self.log.take().expect("the log is read once").join().expect("the log is text");
         (status.code(), log)
     }
 }
@@ -175,9 +148,7 @@ impl Scratch {
     }
 
     pub(crate) fn path(&self) -> &str {
-        self.0
-            .to_str()
-            .expect("the folder for temporary files has a name of text")
+        self.0.to_str().expect("the folder for temporary files has a name of text")
     }
 }
 

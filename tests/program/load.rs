@@ -14,14 +14,8 @@ fn a_mesh_is_loaded_and_answers() {
     let of = |arguments: &[&str]| run_well(&[arguments, &["--server", server.address()]].concat());
     let file = Scratch::new(".obj", PYRAMID);
     let said = of(&["load", file.path(), "--id", "7", "--at", "10,-1,0"]);
-    assert!(
-        said.contains("6 triangles in the file, 0 of them without area"),
-        "{said}"
-    );
-    assert!(
-        said.contains("geometry ") && said.contains("shape 7, seen from tick 2"),
-        "{said}"
-    );
+    assert!(said.contains("6 triangles in the file, 0 of them without area"), "{said}");
+    assert!(said.contains("geometry ") && said.contains("shape 7, seen from tick 2"), "{said}");
     let hit = of(&["raycast", "10,10,0", "0,-1,0"]);
     assert!(hit.contains("shape 7 at 8 m"), "{hit}");
     let face = of(&["raycast", "10.5,-9,0.25", "0,1,0"]);
@@ -54,10 +48,7 @@ fn triangles_without_area_are_counted() {
     let server = Server::start(&[]);
     let file = Scratch::new(".obj", format!("{PYRAMID}v 0 0 0\nf 1 1 2\nf 1 6 3\n"));
     let said = run_well(&["load", file.path(), "--server", server.address()]);
-    assert!(
-        said.contains("8 triangles in the file, 2 of them without area"),
-        "{said}"
-    );
+    assert!(said.contains("8 triangles in the file, 2 of them without area"), "{said}");
     assert!(said.contains("warning: "), "{said}");
 }
 
@@ -66,37 +57,19 @@ fn a_broken_file_is_exit_1_with_file_and_line_and_changes_nothing() {
     let server = Server::start(&[]);
     for (contents, said) in [
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no faces"),
-        (
-            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
-            "line 4: corner \"9\" names a vertex that does not exist",
-        ),
-        (
-            "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n",
-            "line 2: \"nan\" is not a finite number",
-        ),
-        (
-            "v 0 0 0\nv 1 zero 0\nv 0 1 0\nf 1 2 3\n",
-            "line 2: \"zero\" is not a finite number",
-        ),
-        (
-            "v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n",
-            "line 2: a vertex has three coordinates",
-        ),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "line 4: corner \"9\" names a vertex that does not exist"),
+        ("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", "line 2: \"nan\" is not a finite number"),
+        ("v 0 0 0\nv 1 zero 0\nv 0 1 0\nf 1 2 3\n", "line 2: \"zero\" is not a finite number"),
+        ("v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n", "line 2: a vertex has three coordinates"),
         ("", "no faces"),
     ] {
         let file = Scratch::new(".obj", contents);
         let answer = run(&["load", file.path(), "--server", server.address()]);
         assert_eq!(answer.code, Some(1), "{answer:?}");
-        assert!(
-            answer.err.contains(file.path()) && answer.err.contains(said),
-            "{answer:?}"
-        );
+        assert!(answer.err.contains(file.path()) && answer.err.contains(said), "{answer:?}");
     }
     let missing = run(&["load", "nowhere.obj", "--server", server.address()]);
-    assert!(
-        missing.code == Some(1) && missing.err.contains("nowhere.obj cannot be read"),
-        "{missing:?}"
-    );
+    assert!(missing.code == Some(1) && missing.err.contains("nowhere.obj cannot be read"), "{missing:?}");
     assert!(run_well(&["describe", "--server", server.address()]).contains("0 shapes"));
 }
 

@@ -37,17 +37,9 @@ async fn every_frame_is_a_tick_and_the_last_one_stays() {
     let arguments = ["play", file.path(), "--speed", "max", "--server", server.address()];
     let said = run_well(&[&arguments[..], &KINDS].concat());
     // Tick 1 is the empty world; 2 inserts, 48 + 49 moves, 1 removal.
-    assert!(
-        said.contains("50 frames, one tick each, the last is tick 51; 100 edits"),
-        "{said}"
-    );
+    assert!(said.contains("50 frames, one tick each, the last is tick 51; 100 edits"), "{said}");
     let client = Client::connect(server.address()).await.expect("the server listens");
-    let ball = client
-        .shape(4)
-        .await
-        .expect("the ball is there")
-        .shape
-        .expect("it is told");
+    let ball = client.shape(4).await.expect("the ball is there").shape.expect("it is told");
     let at = ball.pose.and_then(|pose| pose.position).expect("it has a place");
     // Rounded to single precision after parsing.
     assert_eq!([at.x, at.y, at.z], [49.0, f64::from(0.1_f32), 0.0]);
@@ -76,15 +68,7 @@ fn real_time_is_real_and_a_factor_shortens_it() {
 fn a_loop_goes_on_until_it_is_interrupted_and_then_sums_up() {
     let server = Server::start(&[]);
     let file = Scratch::new(".csv", trace(5));
-    let arguments = [
-        "play",
-        file.path(),
-        "--loop",
-        "--speed",
-        "max",
-        "--server",
-        server.address(),
-    ];
+    let arguments = ["play", file.path(), "--loop", "--speed", "max", "--server", server.address()];
     let answer = run_interrupted(&[&arguments[..], &KINDS].concat(), Duration::from_secs(2));
     assert_eq!(answer.code, Some(0), "{answer:?}");
     let frame_count = answer.out.split(' ').next().and_then(|word| word.parse::<u64>().ok());
@@ -106,10 +90,7 @@ fn a_wrong_trace_is_exit_1_with_its_line() {
         assert!(answer.err.contains(said), "{answer:?}");
     }
     let missing = run(&[&["play", "nowhere.csv"], &KINDS[..]].concat());
-    assert!(
-        missing.code == Some(1) && missing.err.contains("nowhere.csv cannot be read"),
-        "{missing:?}"
-    );
+    assert!(missing.code == Some(1) && missing.err.contains("nowhere.csv cannot be read"), "{missing:?}");
 }
 
 #[test]
@@ -117,20 +98,8 @@ fn edits_that_the_server_leaves_out_are_a_failure() {
     let server = Server::start(&[]);
     let file = Scratch::new(".csv", trace(3));
     // A sphere of a negative radius can be written, but is none.
-    let arguments = [
-        "play",
-        file.path(),
-        "--kind",
-        "ball=sphere:-1",
-        "--speed",
-        "max",
-        "--server",
-        server.address(),
-    ];
+    let arguments = ["play", file.path(), "--kind", "ball=sphere:-1", "--speed", "max", "--server", server.address()];
     let answer = run(&arguments);
     assert_eq!(answer.code, Some(1), "{answer:?}");
-    assert!(
-        answer.err.contains("left") && answer.err.contains("radius"),
-        "{answer:?}"
-    );
+    assert!(answer.err.contains("left") && answer.err.contains("radius"), "{answer:?}");
 }

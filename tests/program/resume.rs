@@ -32,24 +32,15 @@ async fn proxy(server: SocketAddr, cuts: watch::Receiver<u32>) -> SocketAddr {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn cut_connections_lose_no_edit_and_repeat_none() {
-    let settings = Settings {
-        listen: "127.0.0.1:0".parse().expect("an address"),
-        ..Settings::default()
-    };
+    let settings = Settings { listen: "127.0.0.1:0".parse().expect("an address"), ..Settings::default() };
     let running = serve::start(settings).await.expect("the server starts");
     let (cut, cuts) = watch::channel(0);
     let address = proxy(running.local_addr(), cuts).await;
     let client = Client::connect(&address.to_string()).await.expect("the proxy listens");
     let mut writer = EditWriter::open(&client, "arm").await.expect("the stream opens");
-    writer
-        .commit([shape::sphere(1, 0.5).insert()])
-        .await
-        .expect("the writer goes on");
+    writer.commit([shape::sphere(1, 0.5).insert()]).await.expect("the writer goes on");
     for step in 1..=400 {
-        writer
-            .commit([edit::move_to(1, [f64::from(step), 0.0, 0.0])])
-            .await
-            .expect("the writer goes on");
+        writer.commit([edit::move_to(1, [f64::from(step), 0.0, 0.0])]).await.expect("the writer goes on");
         if step % 50 == 0 {
             // While messages are under way.
             cut.send_modify(|count| *count += 1);
@@ -61,15 +52,8 @@ async fn cut_connections_lose_no_edit_and_repeat_none() {
     assert_eq!(tick, 402);
     assert!(writer.resumed_count() > 0, "no connection was cut while it mattered");
     assert!(writer.take_report().problems.is_empty());
-    let direct = Client::connect(&running.local_addr().to_string())
-        .await
-        .expect("the server listens");
-    let at = direct
-        .shape(1)
-        .await
-        .expect("it is there")
-        .shape
-        .and_then(|shape| shape.pose?.position);
+    let direct = Client::connect(&running.local_addr().to_string()).await.expect("the server listens");
+    let at = direct.shape(1).await.expect("it is there").shape.and_then(|shape| shape.pose?.position);
     assert_eq!(at.map(|at| at.x), Some(400.0));
     running.stop().await;
 }

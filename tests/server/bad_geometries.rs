@@ -5,11 +5,7 @@ use wire::v1::{self as pb, geometry::Kind};
 use crate::harness::{Bench, Refusal, assert_invalid, at, cuboid, geometry, insert, shape, sphere};
 
 fn mesh(vertices: &[f32], indices: &[u32]) -> pb::TriangleMesh {
-    pb::TriangleMesh {
-        vertices: vertices.to_vec(),
-        indices: indices.to_vec(),
-        ..pb::TriangleMesh::default()
-    }
+    pb::TriangleMesh { vertices: vertices.to_vec(), indices: indices.to_vec(), ..pb::TriangleMesh::default() }
 }
 
 fn hull(points: Vec<f32>) -> pb::Geometry {
@@ -25,34 +21,13 @@ fn wrong_numbers() -> Vec<(pb::Geometry, Refusal)> {
         (sphere(-1.0), ("OUT_OF_LIMITS", "geometry.sphere.radius", &["is -1"])),
         (sphere(2e9), ("OUT_OF_LIMITS", "geometry.sphere.radius", &["1e9"])),
         (sphere(1e-10), ("OUT_OF_LIMITS", "geometry.sphere.radius", &["1e-9"])),
-        (
-            cuboid(1.0, -1.0, 1.0),
-            ("OUT_OF_LIMITS", "geometry.box.half_extents.y", &["is -1"]),
-        ),
-        (
-            cuboid(1.0, f64::INFINITY, 1.0),
-            ("NOT_FINITE", "geometry.box.half_extents.y", &["is inf"]),
-        ),
-        (
-            capsule(-1.0, 1.0),
-            ("OUT_OF_LIMITS", "geometry.capsule.half_height", &["is -1"]),
-        ),
-        (
-            capsule(1.0, f64::NAN),
-            ("NOT_FINITE", "geometry.capsule.radius", &["is NaN"]),
-        ),
-        (
-            hull(vec![0.0; 4]),
-            ("COLUMN_LENGTH", "geometry.hull.points", &["has 4 numbers", "three"]),
-        ),
-        (
-            hull(vec![0.0, f32::NAN, 0.0]),
-            ("NOT_FINITE", "geometry.hull.points[1]", &["is NaN"]),
-        ),
-        (
-            hull(vec![0.0, 0.0, 2e12]),
-            ("OUT_OF_LIMITS", "", &["geometry.hull.points", "1e12"]),
-        ),
+        (cuboid(1.0, -1.0, 1.0), ("OUT_OF_LIMITS", "geometry.box.half_extents.y", &["is -1"])),
+        (cuboid(1.0, f64::INFINITY, 1.0), ("NOT_FINITE", "geometry.box.half_extents.y", &["is inf"])),
+        (capsule(-1.0, 1.0), ("OUT_OF_LIMITS", "geometry.capsule.half_height", &["is -1"])),
+        (capsule(1.0, f64::NAN), ("NOT_FINITE", "geometry.capsule.radius", &["is NaN"])),
+        (hull(vec![0.0; 4]), ("COLUMN_LENGTH", "geometry.hull.points", &["has 4 numbers", "three"])),
+        (hull(vec![0.0, f32::NAN, 0.0]), ("NOT_FINITE", "geometry.hull.points[1]", &["is NaN"])),
+        (hull(vec![0.0, 0.0, 2e12]), ("OUT_OF_LIMITS", "", &["geometry.hull.points", "1e12"])),
         (
             geometry(Kind::Mesh(mesh(&triangle, &[0, 1, 3]))),
             ("BAD_GEOMETRY", "geometry.mesh.indices[2]", &["is 3", "3 vertices"]),
@@ -61,10 +36,7 @@ fn wrong_numbers() -> Vec<(pb::Geometry, Refusal)> {
             geometry(Kind::Mesh(mesh(&triangle, &[0, 1]))),
             ("COLUMN_LENGTH", "geometry.mesh.indices", &["has 2 numbers"]),
         ),
-        (
-            geometry(Kind::Mesh(mesh(&triangle, &[0, 0, 1]))),
-            ("BAD_GEOMETRY", "geometry.mesh.indices", &["area"]),
-        ),
+        (geometry(Kind::Mesh(mesh(&triangle, &[0, 0, 1]))), ("BAD_GEOMETRY", "geometry.mesh.indices", &["area"])),
     ]
 }
 
@@ -72,10 +44,7 @@ fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
     let triangle = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     vec![
         (
-            geometry(Kind::Mesh(pb::TriangleMesh {
-                mode: pb::MeshMode::Solid.into(),
-                ..mesh(&triangle, &[0, 1, 2])
-            })),
+            geometry(Kind::Mesh(pb::TriangleMesh { mode: pb::MeshMode::Solid.into(), ..mesh(&triangle, &[0, 1, 2]) })),
             ("NOT_YET", "geometry.mesh.mode", &["TWO_SIDED"]),
         ),
         (
@@ -85,55 +54,19 @@ fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
             })),
             ("NOT_YET", "geometry.mesh.decompose", &["hulls"]),
         ),
+        (pb::Geometry { rounding: -0.5, ..sphere(1.0) }, ("OUT_OF_LIMITS", "geometry.rounding", &["is -0.5"])),
         (
-            pb::Geometry {
-                rounding: -0.5,
-                ..sphere(1.0)
-            },
-            ("OUT_OF_LIMITS", "geometry.rounding", &["is -0.5"]),
-        ),
-        (
-            pb::Geometry {
-                rounding: 0.5,
-                ..geometry(Kind::Mesh(mesh(&triangle, &[0, 1, 2])))
-            },
+            pb::Geometry { rounding: 0.5, ..geometry(Kind::Mesh(mesh(&triangle, &[0, 1, 2]))) },
             ("BAD_GEOMETRY", "geometry.rounding", &["mesh"]),
         ),
-        (
-            pb::Geometry {
-                scale: Some(0.0),
-                ..sphere(1.0)
-            },
-            ("OUT_OF_LIMITS", "geometry.scale", &["above 0"]),
-        ),
-        (
-            geometry(Kind::GeometryId("beef".to_owned())),
-            ("GEOMETRY_NOT_FOUND", "geometry.geometry_id", &["\"beef\""]),
-        ),
-        (
-            geometry(Kind::Cylinder(pb::Cylinder::default())),
-            ("NOT_YET", "geometry.cylinder", &["meanwhile"]),
-        ),
-        (
-            geometry(Kind::Cone(pb::Cone::default())),
-            ("NOT_YET", "geometry.cone", &["meanwhile"]),
-        ),
-        (
-            geometry(Kind::Ellipsoid(pb::Ellipsoid::default())),
-            ("NOT_YET", "geometry.ellipsoid", &["meanwhile"]),
-        ),
-        (
-            geometry(Kind::HalfSpace(pb::HalfSpace::default())),
-            ("NOT_YET", "geometry.half_space", &["meanwhile"]),
-        ),
-        (
-            geometry(Kind::HeightField(pb::HeightField::default())),
-            ("NOT_YET", "geometry.height_field", &["meanwhile"]),
-        ),
-        (
-            geometry(Kind::Compound(pb::Compound::default())),
-            ("NOT_YET", "geometry.compound", &["meanwhile"]),
-        ),
+        (pb::Geometry { scale: Some(0.0), ..sphere(1.0) }, ("OUT_OF_LIMITS", "geometry.scale", &["above 0"])),
+        (geometry(Kind::GeometryId("beef".to_owned())), ("GEOMETRY_NOT_FOUND", "geometry.geometry_id", &["\"beef\""])),
+        (geometry(Kind::Cylinder(pb::Cylinder::default())), ("NOT_YET", "geometry.cylinder", &["meanwhile"])),
+        (geometry(Kind::Cone(pb::Cone::default())), ("NOT_YET", "geometry.cone", &["meanwhile"])),
+        (geometry(Kind::Ellipsoid(pb::Ellipsoid::default())), ("NOT_YET", "geometry.ellipsoid", &["meanwhile"])),
+        (geometry(Kind::HalfSpace(pb::HalfSpace::default())), ("NOT_YET", "geometry.half_space", &["meanwhile"])),
+        (geometry(Kind::HeightField(pb::HeightField::default())), ("NOT_YET", "geometry.height_field", &["meanwhile"])),
+        (geometry(Kind::Compound(pb::Compound::default())), ("NOT_YET", "geometry.compound", &["meanwhile"])),
     ]
 }
 
@@ -141,40 +74,19 @@ fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
 async fn wrong_geometries_are_refused_wherever_they_stand() {
     let mut bench = Bench::start().await;
     for (wrong, refusal) in wrong_numbers().into_iter().chain(unserved_and_dressed()) {
-        let request = pb::CreateGeometryRequest {
-            session: String::new(),
-            geometry: Some(wrong.clone()),
-        };
+        let request = pb::CreateGeometryRequest { session: String::new(), geometry: Some(wrong.clone()) };
         let status = bench.geometries.create_geometry(request).await.unwrap_err();
         assert_invalid(&status, refusal);
-        let status = bench
-            .edit(vec![insert(shape(1, wrong, at(0.0, 0.0, 0.0)))])
-            .await
-            .unwrap_err();
+        let status = bench.edit(vec![insert(shape(1, wrong, at(0.0, 0.0, 0.0)))]).await.unwrap_err();
         let (reason, field, parts) = refusal;
-        let field = if field.is_empty() {
-            String::new()
-        } else {
-            format!("edits[0].insert.{field}")
-        };
+        let field = if field.is_empty() { String::new() } else { format!("edits[0].insert.{field}") };
         assert!(status.message().starts_with(&field), "{status}");
-        assert!(
-            parts.iter().all(|part| status.message().contains(part)),
-            "{reason}: {status}"
-        );
+        assert!(parts.iter().all(|part| status.message().contains(part)), "{reason}: {status}");
     }
-    let status = bench
-        .geometries
-        .create_geometry(pb::CreateGeometryRequest::default())
-        .await
-        .unwrap_err();
+    let status = bench.geometries.create_geometry(pb::CreateGeometryRequest::default()).await.unwrap_err();
     assert_invalid(&status, ("MISSING", "geometry", &["sphere"]));
     let description = bench.describe().await;
     assert_eq!((description.tick, description.shape_count), (1, 0));
-    let listed = bench
-        .geometries
-        .list_geometries(pb::ListGeometriesRequest::default())
-        .await
-        .unwrap();
+    let listed = bench.geometries.list_geometries(pb::ListGeometriesRequest::default()).await.unwrap();
     assert!(listed.into_inner().geometries.is_empty());
 }

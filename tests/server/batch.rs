@@ -7,17 +7,9 @@ use crate::harness::{ray_along_z, read_at, readme_world};
 #[tokio::test]
 async fn a_batch_is_answered_on_one_tick_and_fails_item_by_item() {
     let mut bench = readme_world().await;
-    let question = |question| pb::Question {
-        question: Some(question),
-    };
-    let named = pb::RaycastRequest {
-        session: "default".to_owned(),
-        ..ray_along_z()
-    };
-    let pinned = pb::RaycastRequest {
-        options: Some(read_at(At::Tick(2))),
-        ..ray_along_z()
-    };
+    let question = |question| pb::Question { question: Some(question) };
+    let named = pb::RaycastRequest { session: "default".to_owned(), ..ray_along_z() };
+    let pinned = pb::RaycastRequest { options: Some(read_at(At::Tick(2))), ..ray_along_z() };
     let request = pb::BatchRequest {
         questions: vec![
             question(Question::Raycast(ray_along_z())),
@@ -35,11 +27,7 @@ async fn a_batch_is_answered_on_one_tick_and_fails_item_by_item() {
     };
     let response = bench.questions.batch(request).await.unwrap().into_inner();
     assert_eq!(response.info.unwrap().tick, 2);
-    let answers: Vec<_> = response
-        .answers
-        .into_iter()
-        .map(|answer| answer.answer.unwrap())
-        .collect();
+    let answers: Vec<_> = response.answers.into_iter().map(|answer| answer.answer.unwrap()).collect();
     assert!(matches!(&answers[0], Answer::Raycast(found) if found.hits.len() == 1 && found.info.is_none()));
     let problems = [
         (1, "questions[1].raycast.direction", "MISSING"),
@@ -62,25 +50,14 @@ async fn a_batch_is_answered_on_one_tick_and_fails_item_by_item() {
 async fn a_batch_gives_the_same_answers_as_single_questions_and_items_override_its_options() {
     let mut bench = readme_world().await;
     let exclude = |ids: &[u64]| pb::QueryOptions {
-        filter: Some(pb::Filter {
-            exclude_ids: ids.to_vec(),
-            ..pb::Filter::default()
-        }),
+        filter: Some(pb::Filter { exclude_ids: ids.to_vec(), ..pb::Filter::default() }),
         ..pb::QueryOptions::default()
     };
-    let overriding = pb::RaycastRequest {
-        options: Some(exclude(&[7])),
-        ..ray_along_z()
-    };
+    let overriding = pb::RaycastRequest { options: Some(exclude(&[7])), ..ray_along_z() };
     let single = bench.questions.raycast(ray_along_z()).await.unwrap().into_inner();
-    let questions = [ray_along_z(), overriding].map(|ray| pb::Question {
-        question: Some(Question::Raycast(ray)),
-    });
-    let request = pb::BatchRequest {
-        questions: questions.to_vec(),
-        options: Some(exclude(&[1])),
-        ..pb::BatchRequest::default()
-    };
+    let questions = [ray_along_z(), overriding].map(|ray| pb::Question { question: Some(Question::Raycast(ray)) });
+    let request =
+        pb::BatchRequest { questions: questions.to_vec(), options: Some(exclude(&[1])), ..pb::BatchRequest::default() };
     let response = bench.questions.batch(request).await.unwrap().into_inner();
     let hits: Vec<_> = response
         .answers

@@ -18,18 +18,9 @@ enum Expected {
 /// In the order of the lines.
 const EXPECTED: [&[Expected]; 8] = [
     &[Expected::Text("/tick", "2"), Expected::Text("/changedCount", "1")],
-    &[
-        Expected::Text("/verdict", "VERDICT_HIT"),
-        Expected::Number("/hits/0/distance", 4.0),
-    ],
-    &[
-        Expected::Text("/verdict", "VERDICT_HIT"),
-        Expected::Text("/hits/0/id", "1"),
-    ],
-    &[
-        Expected::Number("/contacts/0/depth", 0.5),
-        Expected::Number("/contacts/0/normal/z", -1.0),
-    ],
+    &[Expected::Text("/verdict", "VERDICT_HIT"), Expected::Number("/hits/0/distance", 4.0)],
+    &[Expected::Text("/verdict", "VERDICT_HIT"), Expected::Text("/hits/0/id", "1")],
+    &[Expected::Number("/contacts/0/depth", 0.5), Expected::Number("/contacts/0/normal/z", -1.0)],
     &[Expected::Number("/hits/0/fraction", 0.35)],
     &[Expected::Refusal("OutOfRange")],
     &[Expected::Refusal("Unimplemented")],
@@ -40,19 +31,14 @@ const EXPECTED: [&[Expected]; 8] = [
 fn lines() -> Vec<(&'static str, &'static str)> {
     let lines = README.lines().filter_map(|line| line.strip_prefix("g "));
     let lines = lines.filter_map(|line| line.split_once(" '"));
-    lines
-        .map(|(call, request)| (call, request.trim_end_matches('\'')))
-        .collect()
+    lines.map(|(call, request)| (call, request.trim_end_matches('\''))).collect()
 }
 
 /// Whether grpcurl is there; its absence is a failure where the tests are to be complete.
 fn has_grpcurl() -> bool {
     let found = Command::new("grpcurl").arg("-version").output().is_ok();
     let is_ci = std::env::var("CI").is_ok_and(|ci| ci == "true");
-    assert!(
-        found || !is_ci,
-        "grpcurl is not installed, and CI=true wants every test"
-    );
+    assert!(found || !is_ci, "grpcurl is not installed, and CI=true wants every test");
     found
 }
 
@@ -61,16 +47,10 @@ fn grpcurl(arguments: &[&str]) -> Output {
 }
 
 fn check(call: &str, output: &Output, expected: &Expected) {
-    let (told, failed) = (
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr),
-    );
+    let (told, failed) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     let at = |place: &str| {
         let answer: Value = serde_json::from_str(&told).unwrap_or_else(|_| panic!("{call}: {told}{failed}"));
-        answer
-            .pointer(place)
-            .cloned()
-            .unwrap_or_else(|| panic!("{call}: no {place} in {told}"))
+        answer.pointer(place).cloned().unwrap_or_else(|| panic!("{call}: no {place} in {told}"))
     };
     match expected {
         Expected::Number(place, value) => {
@@ -111,13 +91,7 @@ async fn grpcurl_can_print_the_details_of_an_error() {
     let address = bench.server.local_addr().to_string();
     let output = grpcurl(&["-plaintext", "-d", "{}", &address, "calipers.v1.QueryService/Raycast"]);
     let failed = String::from_utf8_lossy(&output.stderr);
-    for part in [
-        "Code: InvalidArgument",
-        "direction is absent",
-        "\"reason\"",
-        "\"MISSING\"",
-        "\"field\"",
-    ] {
+    for part in ["Code: InvalidArgument", "direction is absent", "\"reason\"", "\"MISSING\"", "\"field\""] {
         assert!(failed.contains(part), "{part} is missing in {failed}");
     }
 }

@@ -19,37 +19,21 @@ impl Stream {
         writer: &str,
     ) -> (Self, pb::EditStreamResponse) {
         let (messages, outgoing) = mpsc::channel(1024);
-        let hello = pb::EditStreamRequest {
-            writer: writer.to_owned(),
-            ..pb::EditStreamRequest::default()
-        };
+        let hello = pb::EditStreamRequest { writer: writer.to_owned(), ..pb::EditStreamRequest::default() };
         messages.send(hello).await.unwrap();
-        let answers = worlds
-            .clone()
-            .edit_stream(ReceiverStream::new(outgoing))
-            .await
-            .unwrap()
-            .into_inner();
+        let answers = worlds.clone().edit_stream(ReceiverStream::new(outgoing)).await.unwrap().into_inner();
         let mut stream = Self { messages, answers };
         let first = stream.answer().await.unwrap();
         (stream, first)
     }
 
     async fn send(&self, sequence: u64, edits: Vec<pb::Edit>, commit: bool) {
-        let message = pb::EditStreamRequest {
-            sequence,
-            edits,
-            commit,
-            ..pb::EditStreamRequest::default()
-        };
+        let message = pb::EditStreamRequest { sequence, edits, commit, ..pb::EditStreamRequest::default() };
         self.messages.send(message).await.unwrap();
     }
 
     async fn answer(&mut self) -> Result<pb::EditStreamResponse, Status> {
-        self.answers
-            .message()
-            .await
-            .map(|answer| answer.expect("the stream goes on"))
+        self.answers.message().await.map(|answer| answer.expect("the stream goes on"))
     }
 }
 
@@ -58,10 +42,7 @@ fn ball(id: u64, z: f64) -> pb::Edit {
 }
 
 async fn z_of(bench: &mut Bench, id: u64) -> Option<f64> {
-    let request = pb::GetShapeRequest {
-        id,
-        ..pb::GetShapeRequest::default()
-    };
+    let request = pb::GetShapeRequest { id, ..pb::GetShapeRequest::default() };
     let answer = bench.worlds.get_shape(request).await.ok()?.into_inner();
     Some(answer.shape?.pose?.position?.z)
 }
@@ -81,35 +62,21 @@ async fn a_tick_is_seen_at_its_commit_and_not_before() {
     assert_eq!((acked.acked_sequence, acked.tick), (3, 2));
     assert_eq!(acked.durability(), pb::Durability::Applied);
     assert!(acked.problems.is_empty());
-    assert_eq!(
-        (z_of(&mut bench, 1).await, z_of(&mut bench, 2).await),
-        (Some(7.0), Some(6.0))
-    );
+    assert_eq!((z_of(&mut bench, 1).await, z_of(&mut bench, 2).await), (Some(7.0), Some(6.0)));
 }
 
 #[tokio::test]
 async fn wrong_edits_are_told_with_message_and_place_and_the_rest_is_applied() {
     let mut bench = Bench::start().await;
     let (mut stream, _) = Stream::open(&bench.worlds, "").await;
-    stream
-        .send(1, vec![ball(1, 5.0), ball(0, 5.0), ball(2, f64::INFINITY)], false)
-        .await;
-    stream
-        .send(2, vec![move_to(9, at(0.0, 0.0, 0.0)), ball(3, 5.0)], true)
-        .await;
+    stream.send(1, vec![ball(1, 5.0), ball(0, 5.0), ball(2, f64::INFINITY)], false).await;
+    stream.send(2, vec![move_to(9, at(0.0, 0.0, 0.0)), ball(3, 5.0)], true).await;
     let acked = stream.answer().await.unwrap();
     assert_eq!((acked.acked_sequence, acked.tick), (2, 2));
     let told: Vec<_> = acked
         .problems
         .iter()
-        .map(|problem| {
-            (
-                problem.sequence,
-                problem.field.as_str(),
-                problem.reason.as_str(),
-                problem.code,
-            )
-        })
+        .map(|problem| (problem.sequence, problem.field.as_str(), problem.reason.as_str(), problem.code))
         .collect();
     let (invalid, not_found) = (Code::InvalidArgument as i32, Code::NotFound as i32);
     assert_eq!(
@@ -132,21 +99,11 @@ async fn a_gap_ends_the_stream_and_a_known_message_is_dropped() {
     assert_eq!(stream.answer().await.unwrap().tick, 2);
     stream.send(1, vec![ball(1, 99.0)], true).await;
     let again = stream.answer().await.unwrap();
-    assert_eq!(
-        (again.acked_sequence, again.tick),
-        (1, 2),
-        "a known commit is acknowledged and not applied"
-    );
+    assert_eq!((again.acked_sequence, again.tick), (1, 2), "a known commit is acknowledged and not applied");
     assert_eq!(z_of(&mut bench, 1).await, Some(5.0));
     stream.send(3, Vec::new(), true).await;
     let status = stream.answer().await.unwrap_err();
-    assert_refused(
-        &status,
-        Code::Aborted,
-        "SEQUENCE_GAP",
-        "",
-        &["is 3, and 2 was expected"],
-    );
+    assert_refused(&status, Code::Aborted, "SEQUENCE_GAP", "", &["is 3, and 2 was expected"]);
 }
 
 #[tokio::test]
@@ -167,11 +124,7 @@ async fn after_a_break_a_writer_goes_on_after_what_is_acknowledged() {
     stream.send(3, vec![ball(3, 7.0)], true).await;
     let acked = stream.answer().await.unwrap();
     assert_eq!((acked.acked_sequence, acked.tick), (3, 3));
-    let found = [
-        z_of(&mut bench, 1).await,
-        z_of(&mut bench, 2).await,
-        z_of(&mut bench, 3).await,
-    ];
+    let found = [z_of(&mut bench, 1).await, z_of(&mut bench, 2).await, z_of(&mut bench, 3).await];
     assert_eq!(found, [Some(5.0), Some(6.0), Some(7.0)]);
     let (_other, first) = Stream::open(&bench.worlds, "leg").await;
     assert_eq!(first.acked_sequence, 0, "each writer has its own sequence");
@@ -219,10 +172,7 @@ async fn two_writers_interleave_and_every_tick_is_one_of_theirs() {
     }
     ticks.sort_unstable();
     assert_eq!(ticks, (2..=101).collect::<Vec<_>>());
-    assert_eq!(
-        (z_of(&mut bench, 1).await, z_of(&mut bench, 2).await),
-        (Some(50.0), Some(50.0))
-    );
+    assert_eq!((z_of(&mut bench, 1).await, z_of(&mut bench, 2).await), (Some(50.0), Some(50.0)));
 }
 
 #[tokio::test]
@@ -253,13 +203,7 @@ async fn more_than_the_window_unacknowledged_ends_the_stream() {
         stream.send(sequence, Vec::new(), false).await;
     }
     let status = stream.answer().await.unwrap_err();
-    assert_refused(
-        &status,
-        Code::ResourceExhausted,
-        "QUOTA_EXCEEDED",
-        "",
-        &["unacknowledged"],
-    );
+    assert_refused(&status, Code::ResourceExhausted, "QUOTA_EXCEEDED", "", &["unacknowledged"]);
 }
 
 #[tokio::test]
@@ -273,40 +217,17 @@ async fn what_cannot_begin_a_stream_is_refused() {
         }
         answers.message().await.unwrap_err()
     };
-    let nowhere = pb::EditStreamRequest {
-        session: "nowhere".to_owned(),
-        ..pb::EditStreamRequest::default()
-    };
+    let nowhere = pb::EditStreamRequest { session: "nowhere".to_owned(), ..pb::EditStreamRequest::default() };
     let status = refuse(nowhere, 0).await;
     assert_refused(&status, Code::NotFound, "SESSION_NOT_FOUND", "session", &[]);
-    let durable = pb::EditStreamRequest {
-        durability: pb::Durability::Local.into(),
-        ..pb::EditStreamRequest::default()
-    };
+    let durable =
+        pb::EditStreamRequest { durability: pb::Durability::Local.into(), ..pb::EditStreamRequest::default() };
     let status = refuse(durable, 0).await;
-    assert_refused(
-        &status,
-        Code::FailedPrecondition,
-        "DURABILITY_NOT_OFFERED",
-        "durability",
-        &[],
-    );
-    let unnumbered = pb::EditStreamRequest {
-        edits: vec![ball(1, 5.0)],
-        ..pb::EditStreamRequest::default()
-    };
+    assert_refused(&status, Code::FailedPrecondition, "DURABILITY_NOT_OFFERED", "durability", &[]);
+    let unnumbered = pb::EditStreamRequest { edits: vec![ball(1, 5.0)], ..pb::EditStreamRequest::default() };
     let status = refuse(unnumbered, 1).await;
-    assert_refused(
-        &status,
-        Code::InvalidArgument,
-        "OUT_OF_LIMITS",
-        "sequence",
-        &["1, 2, 3"],
-    );
-    let long_name = pb::EditStreamRequest {
-        writer: "x".repeat(129),
-        ..pb::EditStreamRequest::default()
-    };
+    assert_refused(&status, Code::InvalidArgument, "OUT_OF_LIMITS", "sequence", &["1, 2, 3"]);
+    let long_name = pb::EditStreamRequest { writer: "x".repeat(129), ..pb::EditStreamRequest::default() };
     let status = refuse(long_name, 0).await;
     assert_refused(&status, Code::InvalidArgument, "OUT_OF_LIMITS", "writer", &["128"]);
 }
@@ -315,11 +236,7 @@ async fn what_cannot_begin_a_stream_is_refused() {
 async fn a_stream_ends_with_its_session() {
     let mut bench = Bench::start().await;
     let (mut stream, _) = Stream::open(&bench.worlds, "arm").await;
-    bench
-        .sessions
-        .delete_session(pb::DeleteSessionRequest::default())
-        .await
-        .unwrap();
+    bench.sessions.delete_session(pb::DeleteSessionRequest::default()).await.unwrap();
     let status = stream.answer().await.unwrap_err();
     assert_refused(&status, Code::NotFound, "SESSION_NOT_FOUND", "", &["has ended"]);
 }

@@ -23,10 +23,7 @@ pub(crate) struct Bench {
 
 /// Settings for a test: any free port.
 pub(crate) fn settings() -> Settings {
-    Settings {
-        listen: "127.0.0.1:0".parse().expect("an address"),
-        ..Settings::default()
-    }
+    Settings { listen: "127.0.0.1:0".parse().expect("an address"), ..Settings::default() }
 }
 
 impl Bench {
@@ -50,44 +47,27 @@ impl Bench {
 
     /// Applies edits to the open session and returns the tick.
     pub(crate) async fn edit(&mut self, edits: Vec<pb::Edit>) -> Result<u64, Status> {
-        let request = pb::EditRequest {
-            edits,
-            ..pb::EditRequest::default()
-        };
+        let request = pb::EditRequest { edits, ..pb::EditRequest::default() };
         Ok(self.worlds.edit(request).await?.into_inner().tick)
     }
 
     /// A session with a token of its own.
     pub(crate) async fn create_session(&mut self, id: &str) -> pb::CreateSessionResponse {
-        let request = pb::CreateSessionRequest {
-            session: id.to_owned(),
-            ..pb::CreateSessionRequest::default()
-        };
-        self.sessions
-            .create_session(request)
-            .await
-            .expect("a session")
-            .into_inner()
+        let request = pb::CreateSessionRequest { session: id.to_owned(), ..pb::CreateSessionRequest::default() };
+        self.sessions.create_session(request).await.expect("a session").into_inner()
     }
 
     /// How the open world stands.
     pub(crate) async fn describe(&mut self) -> pb::DescribeWorldResponse {
         let request = pb::DescribeWorldRequest::default();
-        self.worlds
-            .describe_world(request)
-            .await
-            .expect("a description")
-            .into_inner()
+        self.worlds.describe_world(request).await.expect("a description").into_inner()
     }
 }
 
 /// The world of the README: a sphere of radius 1 at z = 5.
 pub(crate) async fn readme_world() -> Bench {
     let mut bench = Bench::start().await;
-    let tick = bench
-        .edit(vec![insert(shape(1, sphere(1.0), at(0.0, 0.0, 5.0)))])
-        .await
-        .unwrap();
+    let tick = bench.edit(vec![insert(shape(1, sphere(1.0), at(0.0, 0.0, 5.0)))]).await.unwrap();
     assert_eq!(tick, 2);
     bench
 }
@@ -105,17 +85,11 @@ pub(crate) fn vec3(x: f64, y: f64, z: f64) -> pb::Vec3 {
 }
 
 pub(crate) fn at(x: f64, y: f64, z: f64) -> pb::Pose {
-    pb::Pose {
-        position: Some(vec3(x, y, z)),
-        rotation: None,
-    }
+    pb::Pose { position: Some(vec3(x, y, z)), rotation: None }
 }
 
 pub(crate) fn geometry(kind: Kind) -> pb::Geometry {
-    pb::Geometry {
-        kind: Some(kind),
-        ..pb::Geometry::default()
-    }
+    pb::Geometry { kind: Some(kind), ..pb::Geometry::default() }
 }
 
 pub(crate) fn sphere(radius: f64) -> pb::Geometry {
@@ -123,72 +97,40 @@ pub(crate) fn sphere(radius: f64) -> pb::Geometry {
 }
 
 pub(crate) fn cuboid(x: f64, y: f64, z: f64) -> pb::Geometry {
-    geometry(Kind::Box(pb::Cuboid {
-        half_extents: Some(vec3(x, y, z)),
-    }))
+    geometry(Kind::Box(pb::Cuboid { half_extents: Some(vec3(x, y, z)) }))
 }
 
 pub(crate) fn shape(id: u64, geometry: pb::Geometry, pose: pb::Pose) -> pb::Shape {
-    pb::Shape {
-        id,
-        geometry: Some(geometry),
-        pose: Some(pose),
-        ..pb::Shape::default()
-    }
+    pb::Shape { id, geometry: Some(geometry), pose: Some(pose), ..pb::Shape::default() }
 }
 
 pub(crate) fn insert(shape: pb::Shape) -> pb::Edit {
-    pb::Edit {
-        op: Some(Op::Insert(shape)),
-    }
+    pb::Edit { op: Some(Op::Insert(shape)) }
 }
 
 pub(crate) fn move_to(id: u64, pose: pb::Pose) -> pb::Edit {
-    pb::Edit {
-        op: Some(Op::Move(pb::Move {
-            id,
-            pose: Some(pose),
-            ..pb::Move::default()
-        })),
-    }
+    pb::Edit { op: Some(Op::Move(pb::Move { id, pose: Some(pose), ..pb::Move::default() })) }
 }
 
 pub(crate) fn remove(ids: &[u64]) -> pb::Edit {
-    pb::Edit {
-        op: Some(Op::Remove(pb::Remove { ids: ids.to_vec() })),
-    }
+    pb::Edit { op: Some(Op::Remove(pb::Remove { ids: ids.to_vec() })) }
 }
 
 pub(crate) fn subject(geometry: pb::Geometry, pose: pb::Pose) -> pb::Subject {
-    pb::Subject {
-        form: Some(Form::Geometry(geometry)),
-        pose: Some(pose),
-    }
+    pb::Subject { form: Some(Form::Geometry(geometry)), pose: Some(pose) }
 }
 
 pub(crate) fn subject_shape(id: u64) -> pb::Subject {
-    pb::Subject {
-        form: Some(Form::Id(id)),
-        pose: None,
-    }
+    pb::Subject { form: Some(Form::Id(id)), pose: None }
 }
 
 /// A ray from the origin along z.
 pub(crate) fn ray_along_z() -> pb::RaycastRequest {
-    pb::RaycastRequest {
-        direction: Some(vec3(0.0, 0.0, 1.0)),
-        ..pb::RaycastRequest::default()
-    }
+    pb::RaycastRequest { direction: Some(vec3(0.0, 0.0, 1.0)), ..pb::RaycastRequest::default() }
 }
 
 pub(crate) fn read_at(at: pb::read_at::At) -> pb::QueryOptions {
-    pb::QueryOptions {
-        read_at: Some(pb::ReadAt {
-            at: Some(at),
-            tick_fraction: 0.0,
-        }),
-        ..pb::QueryOptions::default()
-    }
+    pb::QueryOptions { read_at: Some(pb::ReadAt { at: Some(at), tick_fraction: 0.0 }), ..pb::QueryOptions::default() }
 }
 
 /// Checks the code, the reason and the field of a refusal, and that its message says all of `parts`.
@@ -197,11 +139,7 @@ pub(crate) fn assert_refused(status: &Status, code: Code, reason: &str, field: &
     assert_eq!(status.code(), code, "{status}");
     let details = status.get_error_details();
     let info = details.error_info().expect("every refusal has an ErrorInfo");
-    assert_eq!(
-        (info.domain.as_str(), info.reason.as_str()),
-        ("calipers.v1", reason),
-        "{status}"
-    );
+    assert_eq!((info.domain.as_str(), info.reason.as_str()), ("calipers.v1", reason), "{status}");
     if !field.is_empty() {
         let violation = &details.bad_request().expect("a field is named").field_violations[0];
         assert_eq!(violation.field, field, "{status}");

@@ -48,10 +48,7 @@ async fn a_plain_get_is_answered_with_a_line_of_text() {
 #[tokio::test]
 async fn grpc_web_is_answered_on_the_same_port() {
     let mut bench = Bench::start().await;
-    bench
-        .edit(vec![insert(shape(1, sphere(1.0), at(0.0, 0.0, 5.0)))])
-        .await
-        .unwrap();
+    bench.edit(vec![insert(shape(1, sphere(1.0), at(0.0, 0.0, 5.0)))]).await.unwrap();
     let message = ray_along_z().encode_to_vec();
     let mut request = format!(
         "POST /calipers.v1.QueryService/Raycast HTTP/1.1\r\nhost: calipers\r\nconnection: close\r\n\
@@ -83,20 +80,13 @@ async fn reflection_lists_the_services_in_both_versions() {
             message_request: Some(MessageRequest::ListServices(String::new())),
         };
         let mut client = ServerReflectionClient::new(channel.clone());
-        let mut answers = client
-            .server_reflection_info(tokio_stream::once(request))
-            .await
-            .unwrap()
-            .into_inner();
+        let mut answers = client.server_reflection_info(tokio_stream::once(request)).await.unwrap().into_inner();
         let answer = answers.message().await.unwrap().unwrap().message_response;
         let Some(MessageResponse::ListServicesResponse(list)) = answer else {
             panic!("{answer:?}");
         };
         let names: Vec<_> = list.service.into_iter().map(|service| service.name).collect();
-        assert!(
-            SERVICES.iter().all(|service| names.iter().any(|name| name == service)),
-            "{names:?}"
-        );
+        assert!(SERVICES.iter().all(|service| names.iter().any(|name| name == service)), "{names:?}");
     }
     {
         use tonic_reflection::pb::v1alpha::{
@@ -105,16 +95,10 @@ async fn reflection_lists_the_services_in_both_versions() {
         };
         let request = ServerReflectionRequest {
             host: String::new(),
-            message_request: Some(MessageRequest::FileContainingSymbol(
-                "calipers.v1.RaycastRequest".to_owned(),
-            )),
+            message_request: Some(MessageRequest::FileContainingSymbol("calipers.v1.RaycastRequest".to_owned())),
         };
         let mut client = ServerReflectionClient::new(channel);
-        let mut answers = client
-            .server_reflection_info(tokio_stream::once(request))
-            .await
-            .unwrap()
-            .into_inner();
+        let mut answers = client.server_reflection_info(tokio_stream::once(request)).await.unwrap().into_inner();
         let answer = answers.message().await.unwrap().unwrap().message_response;
         let Some(MessageResponse::FileDescriptorResponse(files)) = answer else {
             panic!("{answer:?}");
@@ -128,9 +112,7 @@ async fn health_says_serving_and_then_not_serving() {
     let bench = Bench::start().await;
     let mut client = HealthClient::new(bench.server.connect_in_process());
     for service in SERVICES.into_iter().chain([""]) {
-        let request = HealthCheckRequest {
-            service: service.to_owned(),
-        };
+        let request = HealthCheckRequest { service: service.to_owned() };
         let answer = client.check(request).await.unwrap().into_inner();
         assert_eq!(answer.status(), ServingStatus::Serving, "{service}");
     }
@@ -138,10 +120,7 @@ async fn health_says_serving_and_then_not_serving() {
     let mut watch = client.watch(request).await.unwrap().into_inner();
     assert_eq!(watch.message().await.unwrap().unwrap().status(), ServingStatus::Serving);
     let stopping = tokio::spawn(bench.server.stop());
-    assert_eq!(
-        watch.message().await.unwrap().unwrap().status(),
-        ServingStatus::NotServing
-    );
+    assert_eq!(watch.message().await.unwrap().unwrap().status(), ServingStatus::NotServing);
     // The watch is still open, and must not hold up the stop.
     let status = watch.message().await.unwrap_err();
     assert_eq!(status.code(), Code::Unavailable, "{status}");
@@ -160,31 +139,18 @@ async fn small_calls_on_a_real_socket_do_not_wait_for_nagle() {
     }
     times.sort();
     let median = times[times.len() / 2];
-    assert!(
-        median < Duration::from_millis(10),
-        "the median call took {median:?}; Nagle's algorithm costs 40 ms"
-    );
+    assert!(median < Duration::from_millis(10), "the median call took {median:?}; Nagle's algorithm costs 40 ms");
 }
 
 #[tokio::test]
 async fn a_message_over_4_mib_is_refused_as_a_passed_quota() {
     let mut bench = Bench::start().await;
-    let request = pb::EditRequest {
-        request_id: "x".repeat(4 * 1024 * 1024 + 1),
-        ..pb::EditRequest::default()
-    };
+    let request = pb::EditRequest { request_id: "x".repeat(4 * 1024 * 1024 + 1), ..pb::EditRequest::default() };
     let status = bench.worlds.edit(request).await.unwrap_err();
     assert_refused(&status, Code::ResourceExhausted, "QUOTA_EXCEEDED", "", &["4 MiB"]);
-    let on_a_stream = pb::EditStreamRequest {
-        writer: "x".repeat(4 * 1024 * 1024 + 1),
-        ..pb::EditStreamRequest::default()
-    };
-    let mut answers = bench
-        .worlds
-        .edit_stream(tokio_stream::once(on_a_stream))
-        .await
-        .unwrap()
-        .into_inner();
+    let on_a_stream =
+        pb::EditStreamRequest { writer: "x".repeat(4 * 1024 * 1024 + 1), ..pb::EditStreamRequest::default() };
+    let mut answers = bench.worlds.edit_stream(tokio_stream::once(on_a_stream)).await.unwrap().into_inner();
     let status = answers.message().await.unwrap_err();
     assert_refused(&status, Code::ResourceExhausted, "QUOTA_EXCEEDED", "", &["4 MiB"]);
 }
@@ -197,41 +163,19 @@ async fn an_answer_over_4_mib_is_refused_with_what_to_do() {
         ids: (1..=60_000).collect(),
         poses: None,
     };
-    let edit = pb::Edit {
-        op: Some(pb::edit::Op::Inserts(inserts)),
-    };
+    let edit = pb::Edit { op: Some(pb::edit::Op::Inserts(inserts)) };
     bench.edit(vec![edit]).await.unwrap();
-    let request = pb::OverlapRequest {
-        subject: Some(pb::Subject::default()),
-        max_hits: 65_536,
-        ..pb::OverlapRequest::default()
-    };
+    let request =
+        pb::OverlapRequest { subject: Some(pb::Subject::default()), max_hits: 65_536, ..pb::OverlapRequest::default() };
     let batch = pb::BatchRequest {
-        questions: vec![
-            pb::Question {
-                question: Some(pb::question::Question::Overlap(request.clone())),
-            };
-            3
-        ],
+        questions: vec![pb::Question { question: Some(pb::question::Question::Overlap(request.clone())) }; 3],
         ..pb::BatchRequest::default()
     };
     let status = bench.questions.batch(batch).await.map(|_| ()).unwrap_err();
-    assert_refused(
-        &status,
-        Code::ResourceExhausted,
-        "QUOTA_EXCEEDED",
-        "",
-        &["fewer hits", "several batches"],
-    );
-    let few = pb::OverlapRequest {
-        max_hits: 10,
-        ..request
-    };
+    assert_refused(&status, Code::ResourceExhausted, "QUOTA_EXCEEDED", "", &["fewer hits", "several batches"]);
+    let few = pb::OverlapRequest { max_hits: 10, ..request };
     let answer = bench.questions.overlap(few).await.unwrap().into_inner();
-    assert_eq!(
-        answer.hits.iter().map(|hit| hit.id).collect::<Vec<_>>(),
-        (1..=10).collect::<Vec<_>>()
-    );
+    assert_eq!(answer.hits.iter().map(|hit| hit.id).collect::<Vec<_>>(), (1..=10).collect::<Vec<_>>());
     assert!(answer.truncated);
 }
 
@@ -241,10 +185,8 @@ async fn overload_is_refused_quickly_and_passes() {
     settings.max_in_flight = 1;
     let bench = Bench::start_with(settings).await;
     // Waits for a tick that never comes, and so holds the only place.
-    let waiting = pb::RaycastRequest {
-        options: Some(crate::harness::read_at(pb::read_at::At::MinTick(9))),
-        ..ray_along_z()
-    };
+    let waiting =
+        pb::RaycastRequest { options: Some(crate::harness::read_at(pb::read_at::At::MinTick(9))), ..ray_along_z() };
     let mut questions = bench.questions.clone();
     let holder = tokio::spawn(async move { questions.raycast(waiting).await });
     tokio::time::sleep(Duration::from_millis(50)).await;
@@ -264,12 +206,7 @@ async fn a_stop_ends_open_streams_and_refuses_new_calls() {
     let mut bench = Bench::start().await;
     let (messages, outgoing) = mpsc::channel(1);
     messages.send(pb::EditStreamRequest::default()).await.unwrap();
-    let mut answers = bench
-        .worlds
-        .edit_stream(ReceiverStream::new(outgoing))
-        .await
-        .unwrap()
-        .into_inner();
+    let mut answers = bench.worlds.edit_stream(ReceiverStream::new(outgoing)).await.unwrap().into_inner();
     assert_eq!(answers.message().await.unwrap().unwrap().acked_sequence, 0);
     let address = bench.server.local_addr();
     let begin = Instant::now();
@@ -288,10 +225,8 @@ async fn a_stop_cuts_off_what_still_runs_at_the_drain_limit() {
     let mut settings = settings();
     settings.drain_limit = Duration::from_millis(100);
     let bench = Bench::start_with(settings).await;
-    let waiting = pb::RaycastRequest {
-        options: Some(crate::harness::read_at(pb::read_at::At::MinTick(9))),
-        ..ray_along_z()
-    };
+    let waiting =
+        pb::RaycastRequest { options: Some(crate::harness::read_at(pb::read_at::At::MinTick(9))), ..ray_along_z() };
     let mut questions = bench.questions.clone();
     let call = tokio::spawn(async move { questions.raycast(waiting).await });
     tokio::time::sleep(Duration::from_millis(50)).await;
@@ -304,10 +239,8 @@ async fn a_stop_cuts_off_what_still_runs_at_the_drain_limit() {
 
 #[tokio::test]
 async fn listening_beyond_loopback_is_refused_without_insecure() {
-    let settings = calipers::config::Settings {
-        listen: "0.0.0.0:0".parse().unwrap(),
-        ..calipers::config::Settings::default()
-    };
+    let settings =
+        calipers::config::Settings { listen: "0.0.0.0:0".parse().unwrap(), ..calipers::config::Settings::default() };
     let error = calipers::serve::start(settings).await.unwrap_err();
     assert!(error.to_string().contains("--insecure"), "{error}");
 }

@@ -12,14 +12,8 @@ fn assert_near(found: Option<f64>, expected: f64, certificate: Option<&pb::Certi
     let found = found.expect("a value");
     assert!((found - expected).abs() < 1e-9, "{found} is not {expected}");
     let interval = certificate.expect("a certificate").interval.expect("an interval");
-    assert!(
-        interval.lower.is_none_or(|lower| lower <= expected),
-        "{interval:?} misses {expected}"
-    );
-    assert!(
-        interval.upper.is_none_or(|upper| upper >= expected),
-        "{interval:?} misses {expected}"
-    );
+    assert!(interval.lower.is_none_or(|lower| lower <= expected), "{interval:?} misses {expected}");
+    assert!(interval.upper.is_none_or(|upper| upper >= expected), "{interval:?} misses {expected}");
 }
 
 #[tokio::test]
@@ -77,10 +71,7 @@ async fn readme_time_of_impact() {
 #[tokio::test]
 async fn distance_to_the_nearest_and_to_one_geometry() {
     let mut bench = readme_world().await;
-    let mut request = pb::DistanceRequest {
-        subject: Some(pb::Subject::default()),
-        ..pb::DistanceRequest::default()
-    };
+    let mut request = pb::DistanceRequest { subject: Some(pb::Subject::default()), ..pb::DistanceRequest::default() };
     let answer = bench.questions.distance(request.clone()).await.unwrap().into_inner();
     assert_near(answer.hits[0].distance, 4.0, answer.hits[0].certificate.as_ref());
     request.against = Some(subject(cuboid(1.0, 1.0, 1.0), at(3.0, 0.0, 0.0)));
@@ -94,42 +85,22 @@ async fn a_shape_asks_without_seeing_itself() {
     let mut bench = readme_world().await;
     let second = insert(shape(2, sphere(1.0), at(0.0, 0.0, 6.5)));
     bench.edit(vec![second]).await.unwrap();
-    let request = pb::OverlapRequest {
-        subject: Some(subject_shape(1)),
-        ..pb::OverlapRequest::default()
-    };
+    let request = pb::OverlapRequest { subject: Some(subject_shape(1)), ..pb::OverlapRequest::default() };
     let answer = bench.questions.overlap(request).await.unwrap().into_inner();
     assert_eq!(answer.hits.iter().map(|hit| hit.id).collect::<Vec<_>>(), [2]);
-    let gone = pb::OverlapRequest {
-        subject: Some(subject_shape(9)),
-        ..pb::OverlapRequest::default()
-    };
+    let gone = pb::OverlapRequest { subject: Some(subject_shape(9)), ..pb::OverlapRequest::default() };
     let status = bench.questions.overlap(gone).await.unwrap_err();
-    assert_refused(
-        &status,
-        Code::NotFound,
-        "SHAPE_NOT_FOUND",
-        "subject.id",
-        &["is 9", "tick 3"],
-    );
+    assert_refused(&status, Code::NotFound, "SHAPE_NOT_FOUND", "subject.id", &["is 9", "tick 3"]);
 }
 
 #[tokio::test]
 async fn all_hits_come_closest_first_and_a_cut_list_says_so() {
     let mut bench = Bench::start().await;
-    let row = (1..=5)
-        .map(|id| insert(shape(id, sphere(0.25), at(0.0, 0.0, 7.0 - id as f64))))
-        .collect();
+    let row = (1..=5).map(|id| insert(shape(id, sphere(0.25), at(0.0, 0.0, 7.0 - id as f64)))).collect();
     bench.edit(row).await.unwrap();
-    let mut request = pb::RaycastRequest {
-        mode: pb::HitMode::All.into(),
-        ..ray_along_z()
-    };
+    let mut request = pb::RaycastRequest { mode: pb::HitMode::All.into(), ..ray_along_z() };
     let answer = bench.questions.raycast(request.clone()).await.unwrap().into_inner();
-    assert_eq!(
-        answer.hits.iter().map(|hit| hit.id).collect::<Vec<_>>(),
-        [5, 4, 3, 2, 1]
-    );
+    assert_eq!(answer.hits.iter().map(|hit| hit.id).collect::<Vec<_>>(), [5, 4, 3, 2, 1]);
     assert!(!answer.truncated);
     request.max_hits = 2;
     let answer = bench.questions.raycast(request).await.unwrap().into_inner();
@@ -149,49 +120,16 @@ async fn a_filter_hides_layers_ids_sensors_static_shapes_and_groups() {
     let everything = pb::Filter::default();
     let cases = [
         (everything.clone(), vec![1, 2, 3, 4, 5]),
-        (
-            pb::Filter {
-                collides_with: Some(2),
-                ..everything.clone()
-            },
-            vec![1],
-        ),
-        (
-            pb::Filter {
-                exclude_ids: vec![1, 2],
-                ..everything.clone()
-            },
-            vec![3, 4, 5],
-        ),
-        (
-            pb::Filter {
-                exclude_sensors: true,
-                ..everything.clone()
-            },
-            vec![1, 2, 4, 5],
-        ),
-        (
-            pb::Filter {
-                exclude_static: true,
-                ..everything.clone()
-            },
-            vec![1, 2, 3, 5],
-        ),
-        (
-            pb::Filter {
-                exclude_groups: vec![8],
-                ..everything
-            },
-            vec![1, 2, 3, 4],
-        ),
+        (pb::Filter { collides_with: Some(2), ..everything.clone() }, vec![1]),
+        (pb::Filter { exclude_ids: vec![1, 2], ..everything.clone() }, vec![3, 4, 5]),
+        (pb::Filter { exclude_sensors: true, ..everything.clone() }, vec![1, 2, 4, 5]),
+        (pb::Filter { exclude_static: true, ..everything.clone() }, vec![1, 2, 3, 5]),
+        (pb::Filter { exclude_groups: vec![8], ..everything }, vec![1, 2, 3, 4]),
     ];
     for (filter, expected) in cases {
         let request = pb::RaycastRequest {
             mode: pb::HitMode::All.into(),
-            options: Some(pb::QueryOptions {
-                filter: Some(filter.clone()),
-                ..pb::QueryOptions::default()
-            }),
+            options: Some(pb::QueryOptions { filter: Some(filter.clone()), ..pb::QueryOptions::default() }),
             ..ray_along_z()
         };
         let answer = bench.questions.raycast(request).await.unwrap().into_inner();
@@ -204,18 +142,12 @@ async fn a_filter_hides_layers_ids_sensors_static_shapes_and_groups() {
 #[tokio::test]
 async fn a_miss_is_proved_and_has_no_hits_and_work_comes_only_when_asked() {
     let mut bench = readme_world().await;
-    let mut request = pb::RaycastRequest {
-        direction: Some(vec3(0.0, 1.0, 0.0)),
-        ..pb::RaycastRequest::default()
-    };
+    let mut request = pb::RaycastRequest { direction: Some(vec3(0.0, 1.0, 0.0)), ..pb::RaycastRequest::default() };
     let answer = bench.questions.raycast(request.clone()).await.unwrap().into_inner();
     assert_eq!(answer.verdict(), pb::Verdict::Miss);
     assert!(answer.hits.is_empty());
     assert!(answer.info.unwrap().work.is_none());
-    request.options = Some(pb::QueryOptions {
-        explain: true,
-        ..pb::QueryOptions::default()
-    });
+    request.options = Some(pb::QueryOptions { explain: true, ..pb::QueryOptions::default() });
     let answer = bench.questions.raycast(request).await.unwrap().into_inner();
     assert!(answer.info.unwrap().work.is_some());
 }
@@ -223,10 +155,7 @@ async fn a_miss_is_proved_and_has_no_hits_and_work_comes_only_when_asked() {
 #[tokio::test]
 async fn a_hit_at_distance_zero_has_its_distance_and_a_positive_zero() {
     let mut bench = readme_world().await;
-    let request = pb::RaycastRequest {
-        origin: Some(vec3(0.0, 0.0, 5.0)),
-        ..ray_along_z()
-    };
+    let request = pb::RaycastRequest { origin: Some(vec3(0.0, 0.0, 5.0)), ..ray_along_z() };
     let answer = bench.questions.raycast(request).await.unwrap().into_inner();
     let distance = answer.hits[0].distance.expect("a zero is sent");
     assert!(distance == 0.0 && distance.is_sign_positive());

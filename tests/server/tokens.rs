@@ -6,9 +6,7 @@ use wire::v1 as pb;
 use crate::harness::{Bench, assert_refused, at, insert, ray_along_z, settings, shape, sphere, with_token};
 
 fn get(session: &str) -> pb::GetSessionRequest {
-    pb::GetSessionRequest {
-        session: session.to_owned(),
-    }
+    pb::GetSessionRequest { session: session.to_owned() }
 }
 
 fn edit(session: &str) -> pb::EditRequest {
@@ -20,17 +18,11 @@ fn edit(session: &str) -> pb::EditRequest {
 }
 
 fn ray(session: &str) -> pb::RaycastRequest {
-    pb::RaycastRequest {
-        session: session.to_owned(),
-        ..ray_along_z()
-    }
+    pb::RaycastRequest { session: session.to_owned(), ..ray_along_z() }
 }
 
 async fn token(bench: &mut Bench, own: &str, session: &str, role: pb::Role) -> Result<String, tonic::Status> {
-    let request = pb::CreateTokenRequest {
-        session: session.to_owned(),
-        role: role.into(),
-    };
+    let request = pb::CreateTokenRequest { session: session.to_owned(), role: role.into() };
     let made = bench.sessions.create_token(with_token(own, request)).await?;
     Ok(made.into_inner().token)
 }
@@ -43,62 +35,28 @@ async fn each_role_may_do_its_part_and_no_more() {
     let reader = token(&mut bench, &writer, "arena", pb::Role::Reader).await.unwrap();
 
     let status = bench.questions.raycast(ray("arena")).await.unwrap_err();
-    assert_refused(
-        &status,
-        Code::Unauthenticated,
-        "NO_TOKEN",
-        "",
-        &["authorization: Bearer"],
-    );
-    let status = bench
-        .questions
-        .raycast(with_token("guess", ray("arena")))
-        .await
-        .unwrap_err();
+    assert_refused(&status, Code::Unauthenticated, "NO_TOKEN", "", &["authorization: Bearer"]);
+    let status = bench.questions.raycast(with_token("guess", ray("arena"))).await.unwrap_err();
     assert_refused(&status, Code::Unauthenticated, "NO_TOKEN", "", &["not one of session"]);
 
     for token in [&reader, &writer, &owner] {
         bench.questions.raycast(with_token(token, ray("arena"))).await.unwrap();
     }
     let status = bench.worlds.edit(with_token(&reader, edit("arena"))).await.unwrap_err();
-    assert_refused(
-        &status,
-        Code::PermissionDenied,
-        "ROLE_TOO_LOW",
-        "",
-        &["reader", "writer"],
-    );
+    assert_refused(&status, Code::PermissionDenied, "ROLE_TOO_LOW", "", &["reader", "writer"]);
     bench.worlds.edit(with_token(&writer, edit("arena"))).await.unwrap();
-    let status = bench
-        .sessions
-        .get_session(with_token(&writer, get("arena")))
-        .await
-        .unwrap_err();
+    let status = bench.sessions.get_session(with_token(&writer, get("arena"))).await.unwrap_err();
     assert_refused(&status, Code::PermissionDenied, "ROLE_TOO_LOW", "", &["owner"]);
-    bench
-        .sessions
-        .get_session(with_token(&owner, get("arena")))
-        .await
-        .unwrap();
+    bench.sessions.get_session(with_token(&owner, get("arena"))).await.unwrap();
 
     let status = token(&mut bench, &reader, "arena", pb::Role::Writer).await.unwrap_err();
     assert_refused(&status, Code::PermissionDenied, "ROLE_TOO_LOW", "role", &["or less"]);
-    let same = token(&mut bench, &reader, "arena", pb::Role::Unspecified)
-        .await
-        .unwrap();
+    let same = token(&mut bench, &reader, "arena", pb::Role::Unspecified).await.unwrap();
     let status = bench.worlds.edit(with_token(&same, edit("arena"))).await.unwrap_err();
-    assert_eq!(
-        status.code(),
-        Code::PermissionDenied,
-        "an unspecified role is the caller's own"
-    );
+    assert_eq!(status.code(), Code::PermissionDenied, "an unspecified role is the caller's own");
 
     bench.create_session("other").await;
-    let status = bench
-        .questions
-        .raycast(with_token(&owner, ray("other")))
-        .await
-        .unwrap_err();
+    let status = bench.questions.raycast(with_token(&owner, ray("other"))).await.unwrap_err();
     assert_eq!(status.code(), Code::Unauthenticated, "a token is one session's");
 }
 
@@ -110,25 +68,15 @@ async fn only_the_operator_lists_sessions_page_by_page() {
     for id in ["a", "b", "c"] {
         bench.create_session(id).await;
     }
-    let status = bench
-        .sessions
-        .list_sessions(pb::ListSessionsRequest::default())
-        .await
-        .unwrap_err();
+    let status = bench.sessions.list_sessions(pb::ListSessionsRequest::default()).await.unwrap_err();
     assert_eq!(status.code(), Code::Unauthenticated, "{status}");
     let wrong = with_token("guess", pb::ListSessionsRequest::default());
     let status = bench.sessions.list_sessions(wrong).await.unwrap_err();
     assert_eq!(status.code(), Code::PermissionDenied, "{status}");
     let mut ids = Vec::new();
-    let mut request = pb::ListSessionsRequest {
-        page_size: 3,
-        page_token: String::new(),
-    };
+    let mut request = pb::ListSessionsRequest { page_size: 3, page_token: String::new() };
     loop {
-        let page = bench
-            .sessions
-            .list_sessions(with_token("operator's own", request.clone()))
-            .await;
+        let page = bench.sessions.list_sessions(with_token("operator's own", request.clone())).await;
         let page = page.unwrap().into_inner();
         ids.extend(page.sessions.into_iter().map(|session| session.session));
         request.page_token = page.next_page_token;
@@ -191,20 +139,8 @@ async fn every_call_of_a_session_needs_its_token_and_its_role() {
     // A stream says so in the stream.
     let reader = bench.create_session("other").await.token;
     let reader = token(&mut bench, &reader, "other", pb::Role::Reader).await.unwrap();
-    let hello = pb::EditStreamRequest {
-        session: "other".to_owned(),
-        ..pb::EditStreamRequest::default()
-    };
-    let stream = bench
-        .worlds
-        .edit_stream(with_token(&reader, tokio_stream::once(hello)))
-        .await;
+    let hello = pb::EditStreamRequest { session: "other".to_owned(), ..pb::EditStreamRequest::default() };
+    let stream = bench.worlds.edit_stream(with_token(&reader, tokio_stream::once(hello))).await;
     let status = stream.unwrap().into_inner().message().await.unwrap_err();
-    assert_refused(
-        &status,
-        Code::PermissionDenied,
-        "ROLE_TOO_LOW",
-        "",
-        &["reader", "writer"],
-    );
+    assert_refused(&status, Code::PermissionDenied, "ROLE_TOO_LOW", "", &["reader", "writer"]);
 }

@@ -29,21 +29,11 @@ async fn versions_that_are_not_held_are_refused_with_the_ones_that_are() {
     let mut bench = readme_world().await;
     assert_eq!(tick_read(&mut bench, Some(At::Tick(2)), 0.0).await.unwrap(), 2);
     let far_on = second(9_000_000_000);
-    assert_eq!(
-        tick_read(&mut bench, far_on, 0.0).await.unwrap(),
-        2,
-        "nothing is extrapolated"
-    );
+    assert_eq!(tick_read(&mut bench, far_on, 0.0).await.unwrap(), 2, "nothing is extrapolated");
     for tick in [1, 3] {
         let status = tick_read(&mut bench, Some(At::Tick(tick)), 0.0).await.unwrap_err();
         let parts = ["oldest and newest are 2"];
-        assert_refused(
-            &status,
-            Code::OutOfRange,
-            "TICK_NOT_HELD",
-            "options.read_at.tick",
-            &parts,
-        );
+        assert_refused(&status, Code::OutOfRange, "TICK_NOT_HELD", "options.read_at.tick", &parts);
     }
     let status = tick_read(&mut bench, Some(At::Tick(2)), 0.5).await.unwrap_err();
     let field = "options.read_at.tick_fraction";
@@ -56,21 +46,13 @@ async fn versions_that_are_not_held_are_refused_with_the_ones_that_are() {
 async fn versions_that_cannot_be_are_refused() {
     let mut bench = readme_world().await;
     let field = "options.read_at.tick_fraction";
-    for (at, fraction) in [
-        (None, 0.5),
-        (second(9), 0.5),
-        (Some(At::Tick(2)), 1.0),
-        (Some(At::Tick(2)), -0.1),
-    ] {
+    for (at, fraction) in [(None, 0.5), (second(9), 0.5), (Some(At::Tick(2)), 1.0), (Some(At::Tick(2)), -0.1)] {
         let status = tick_read(&mut bench, at, fraction).await.unwrap_err();
         assert_refused(&status, Code::InvalidArgument, "OUT_OF_LIMITS", field, &[]);
     }
     let status = tick_read(&mut bench, Some(At::Tick(2)), f64::NAN).await.unwrap_err();
     assert_refused(&status, Code::InvalidArgument, "NOT_FINITE", field, &["is NaN"]);
-    for (at, field) in [
-        (At::Tick(0), "options.read_at.tick"),
-        (At::MinTick(0), "options.read_at.min_tick"),
-    ] {
+    for (at, field) in [(At::Tick(0), "options.read_at.tick"), (At::MinTick(0), "options.read_at.min_tick")] {
         let status = tick_read(&mut bench, Some(at), 0.0).await.unwrap_err();
         assert_refused(&status, Code::InvalidArgument, "OUT_OF_LIMITS", field, &["begin at 1"]);
     }
@@ -79,10 +61,7 @@ async fn versions_that_cannot_be_are_refused() {
 #[tokio::test]
 async fn min_tick_waits_for_the_tick_and_not_beyond_the_deadline() {
     let mut bench = readme_world().await;
-    let waiting = pb::RaycastRequest {
-        options: Some(read_at(At::MinTick(3))),
-        ..ray_along_z()
-    };
+    let waiting = pb::RaycastRequest { options: Some(read_at(At::MinTick(3))), ..ray_along_z() };
     let mut late = tonic::Request::new(waiting.clone());
     late.set_timeout(Duration::from_millis(100));
     let status = bench.questions.raycast(late).await.unwrap_err();

@@ -29,105 +29,60 @@ pub fn ray(origin: [f64; 3], direction: [f64; 3]) -> proto::RaycastRequest {
 
 /// Which shapes of the world touch the subject.
 pub fn overlap(subject: proto::Subject) -> proto::OverlapRequest {
-    proto::OverlapRequest {
-        subject: Some(subject),
-        ..proto::OverlapRequest::default()
-    }
+    proto::OverlapRequest { subject: Some(subject), ..proto::OverlapRequest::default() }
 }
 
 /// How deep shapes of the world and the subject overlap.
 pub fn penetration(subject: proto::Subject) -> proto::PenetrationRequest {
-    proto::PenetrationRequest {
-        subject: Some(subject),
-        ..proto::PenetrationRequest::default()
-    }
+    proto::PenetrationRequest { subject: Some(subject), ..proto::PenetrationRequest::default() }
 }
 
 /// What the subject touches first on its straight way to the position `end`, keeping its rotation.
 pub fn time_of_impact(subject: proto::Subject, end: [f64; 3]) -> proto::TimeOfImpactRequest {
     proto::TimeOfImpactRequest {
         subject: Some(subject),
-        end: Some(proto::Pose {
-            position: Some(vec3(end)),
-            rotation: None,
-        }),
+        end: Some(proto::Pose { position: Some(vec3(end)), rotation: None }),
         ..proto::TimeOfImpactRequest::default()
     }
 }
 
 /// The shape of the world nearest to the subject.
 pub fn distance(subject: proto::Subject) -> proto::DistanceRequest {
-    proto::DistanceRequest {
-        subject: Some(subject),
-        ..proto::DistanceRequest::default()
-    }
+    proto::DistanceRequest { subject: Some(subject), ..proto::DistanceRequest::default() }
 }
 
 /// A subject that is a shape of the world, where it stands; it does not see itself.
 pub fn shape(id: u64) -> proto::Subject {
-    proto::Subject {
-        form: Some(Form::Id(id)),
-        pose: None,
-    }
+    proto::Subject { form: Some(Form::Id(id)), pose: None }
 }
 
 /// A subject that is a point.
 pub fn point(position: [f64; 3]) -> proto::Subject {
-    proto::Subject {
-        form: None,
-        pose: Some(proto::Pose {
-            position: Some(vec3(position)),
-            rotation: None,
-        }),
-    }
+    proto::Subject { form: None, pose: Some(proto::Pose { position: Some(vec3(position)), rotation: None }) }
 }
 
 /// A subject that is a form, not in the world, at a position.
 pub fn form_at(geometry: proto::Geometry, position: [f64; 3]) -> proto::Subject {
-    let pose = proto::Pose {
-        position: Some(vec3(position)),
-        rotation: None,
-    };
-    proto::Subject {
-        form: Some(Form::Geometry(geometry)),
-        pose: Some(pose),
-    }
+    let pose = proto::Pose { position: Some(vec3(position)), rotation: None };
+    proto::Subject { form: Some(Form::Geometry(geometry)), pose: Some(pose) }
 }
 
 /// A subject that is a form, not in the world, placed and turned; the rotation is a quaternion `[x, y, z, w]`.
 pub fn form_turned(geometry: proto::Geometry, position: [f64; 3], rotation: [f64; 4]) -> proto::Subject {
-    let pose = proto::Pose {
-        position: Some(vec3(position)),
-        rotation: Some(quat(rotation)),
-    };
-    proto::Subject {
-        form: Some(Form::Geometry(geometry)),
-        pose: Some(pose),
-    }
+    let pose = proto::Pose { position: Some(vec3(position)), rotation: Some(quat(rotation)) };
+    proto::Subject { form: Some(Form::Geometry(geometry)), pose: Some(pose) }
 }
 
 /// Options of a question that reads the newest tick once it is at least `min_tick`: read your own writes.
 pub fn seeing_tick(min_tick: u64) -> proto::QueryOptions {
-    let read_at = proto::ReadAt {
-        at: Some(read_at::At::MinTick(min_tick)),
-        tick_fraction: 0.0,
-    };
-    proto::QueryOptions {
-        read_at: Some(read_at),
-        ..proto::QueryOptions::default()
-    }
+    let read_at = proto::ReadAt { at: Some(read_at::At::MinTick(min_tick)), tick_fraction: 0.0 };
+    proto::QueryOptions { read_at: Some(read_at), ..proto::QueryOptions::default() }
 }
 
 /// Options of a question in the exact tier, which goes on until the interval cannot get narrower.
 pub fn exactly() -> proto::QueryOptions {
-    let accuracy = proto::Accuracy {
-        tier: proto::Tier::Exact.into(),
-        ..proto::Accuracy::default()
-    };
-    proto::QueryOptions {
-        accuracy: Some(accuracy),
-        ..proto::QueryOptions::default()
-    }
+    let accuracy = proto::Accuracy { tier: proto::Tier::Exact.into(), ..proto::Accuracy::default() };
+    proto::QueryOptions { accuracy: Some(accuracy), ..proto::QueryOptions::default() }
 }
 
 /// A batch of questions of any kinds, answered on one tick. Their sessions and versions stay empty: those of the batch hold.
@@ -143,12 +98,7 @@ pub fn exactly() -> proto::QueryOptions {
 /// ```
 pub fn batch(questions: impl IntoIterator<Item = question::Question>) -> proto::BatchRequest {
     proto::BatchRequest {
-        questions: questions
-            .into_iter()
-            .map(|question| proto::Question {
-                question: Some(question),
-            })
-            .collect(),
+        questions: questions.into_iter().map(|question| proto::Question { question: Some(question) }).collect(),
         ..proto::BatchRequest::default()
     }
 }

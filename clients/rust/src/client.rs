@@ -66,10 +66,10 @@ impl Client {
     /// [`Error::Address`] if it cannot be understood; [`Error::Connect`] if nothing answers within 5 seconds.
     pub async fn connect(address: &str) -> Result<Self, Error> {
         let endpoint = Self::endpoint(address)?;
-        let channel = endpoint.connect().await.map_err(|error| Error::Connect {
-            address: address.to_owned(),
-            reason: innermost(&error),
-        })?;
+        let channel = endpoint
+            .connect()
+            .await
+            .map_err(|error| Error::Connect { address: address.to_owned(), reason: innermost(&error) })?;
         Ok(Self::from_channel(channel))
     }
 
@@ -80,15 +80,8 @@ impl Client {
     ///
     /// [`Error::Address`] if the address cannot be understood.
     pub fn endpoint(address: &str) -> Result<Endpoint, Error> {
-        let refuse = |reason: String| Error::Address {
-            address: address.to_owned(),
-            reason,
-        };
-        let url = if address.contains("://") {
-            address.to_owned()
-        } else {
-            format!("http://{address}")
-        };
+        let refuse = |reason: String| Error::Address { address: address.to_owned(), reason };
+        let url = if address.contains("://") { address.to_owned() } else { format!("http://{address}") };
         if url.starts_with("https://") {
             return Err(refuse("this client speaks no TLS yet".to_owned()));
         }
@@ -105,12 +98,7 @@ impl Client {
 
     /// A client on a channel that is already there, such as one to a server in the same process.
     pub fn from_channel(channel: Channel) -> Self {
-        Self {
-            channel,
-            session: String::new(),
-            bearer: Bearer::default(),
-            deadline: None,
-        }
+        Self { channel, session: String::new(), bearer: Bearer::default(), deadline: None }
     }
 
     /// The same connection, for another session; empty means `default`.
@@ -190,28 +178,18 @@ impl Client {
     /// ```
     pub async fn edit(&self, edits: impl IntoIterator<Item = proto::Edit>) -> Result<proto::EditResponse, Error> {
         let edits = edits.into_iter().collect();
-        self.edit_with(proto::EditRequest {
-            edits,
-            ..proto::EditRequest::default()
-        })
-        .await
+        self.edit_with(proto::EditRequest { edits, ..proto::EditRequest::default() }).await
     }
 
     /// Says where a shape is at the newest tick.
     pub async fn shape(&self, id: u64) -> Result<proto::GetShapeResponse, Error> {
-        self.get_shape(proto::GetShapeRequest {
-            id,
-            ..proto::GetShapeRequest::default()
-        })
-        .await
+        self.get_shape(proto::GetShapeRequest { id, ..proto::GetShapeRequest::default() }).await
     }
 
     /// Registers a geometry that fits into one message, and says its id. Repeating it returns the same id.
     pub async fn register(&self, geometry: proto::Geometry) -> Result<proto::GeometryInfo, Error> {
-        let request = proto::CreateGeometryRequest {
-            geometry: Some(geometry),
-            ..proto::CreateGeometryRequest::default()
-        };
+        let request =
+            proto::CreateGeometryRequest { geometry: Some(geometry), ..proto::CreateGeometryRequest::default() };
         let response = self.create_geometry(request).await?;
         response
             .geometry
@@ -305,11 +283,7 @@ impl Client {
         &self,
         request: proto::CreateSessionRequest,
     ) -> Result<proto::CreateSessionResponse, Error> {
-        Ok(self
-            .sessions()
-            .create_session(self.request(request))
-            .await?
-            .into_inner())
+        Ok(self.sessions().create_session(self.request(request)).await?.into_inner())
     }
 
     /// Lists the server's sessions, by id; needs the operator's token.
@@ -336,10 +310,7 @@ mod tests {
 
     #[test]
     fn an_address_needs_no_scheme() {
-        assert_eq!(
-            Client::endpoint("127.0.0.1:7070").unwrap().uri().to_string(),
-            "http://127.0.0.1:7070/"
-        );
+        assert_eq!(Client::endpoint("127.0.0.1:7070").unwrap().uri().to_string(), "http://127.0.0.1:7070/");
     }
 
     #[test]
@@ -352,10 +323,7 @@ mod tests {
 
     #[tokio::test]
     async fn nothing_listening_is_told_with_the_address() {
-        let free = std::net::TcpListener::bind("127.0.0.1:0")
-            .unwrap()
-            .local_addr()
-            .unwrap();
+        let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
         let said = Client::connect(&free.to_string()).await.unwrap_err().to_string();
         assert!(said.contains(&free.to_string()) && said.contains("refused"), "{said}");
     }

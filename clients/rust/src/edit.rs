@@ -27,9 +27,7 @@ pub fn move_and_turn(id: u64, position: [f64; 3], rotation: [f64; 4]) -> proto::
 
 /// Removes shapes; ids that are gone are no error.
 pub fn remove(ids: impl IntoIterator<Item = u64>) -> proto::Edit {
-    of(Op::Remove(proto::Remove {
-        ids: ids.into_iter().collect(),
-    }))
+    of(Op::Remove(proto::Remove { ids: ids.into_iter().collect() }))
 }
 
 /// Removes everything.
@@ -38,11 +36,7 @@ pub fn clear() -> proto::Edit {
 }
 
 fn place(id: u64, position: Option<proto::Vec3>, rotation: Option<proto::Quat>) -> proto::Edit {
-    of(Op::Move(proto::Move {
-        id,
-        pose: Some(proto::Pose { position, rotation }),
-        ..proto::Move::default()
-    }))
+    of(Op::Move(proto::Move { id, pose: Some(proto::Pose { position, rotation }), ..proto::Move::default() }))
 }
 
 fn of(op: Op) -> proto::Edit {

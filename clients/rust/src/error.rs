@@ -86,10 +86,7 @@ impl Error {
         match self {
             Self::Connect { .. } => true,
             Self::Status(status) => {
-                matches!(
-                    status.code(),
-                    Code::Unavailable | Code::Unknown | Code::Cancelled | Code::Internal
-                )
+                matches!(status.code(), Code::Unavailable | Code::Unknown | Code::Cancelled | Code::Internal)
             }
             _ => false,
         }
@@ -139,12 +136,9 @@ mod tests {
     #[test]
     fn only_a_broken_transport_is_passing() {
         assert!(Error::from(Status::unavailable("")).is_passing());
-        for status in [
-            Status::invalid_argument(""),
-            Status::aborted(""),
-            Status::not_found(""),
-            Status::unauthenticated(""),
-        ] {
+        for status in
+            [Status::invalid_argument(""), Status::aborted(""), Status::not_found(""), Status::unauthenticated("")]
+        {
             assert!(!Error::from(status).is_passing());
         }
     }

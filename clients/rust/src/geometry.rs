@@ -12,9 +12,7 @@ pub fn sphere(radius: f64) -> proto::Geometry {
 
 /// A box about the local origin, given by half of each edge.
 pub fn cuboid(half_extents: [f64; 3]) -> proto::Geometry {
-    of(Kind::Box(proto::Cuboid {
-        half_extents: Some(vec3(half_extents)),
-    }))
+    of(Kind::Box(proto::Cuboid { half_extents: Some(vec3(half_extents)) }))
 }
 
 /// All points within `radius` of a segment along y that reaches `half_height` up and down from the local origin.
@@ -30,9 +28,7 @@ pub fn capsule(half_height: f64, radius: f64) -> proto::Geometry {
 /// # assert_eq!(hull.points.len(), 12);
 /// ```
 pub fn hull(points: impl IntoIterator<Item = [f32; 3]>) -> proto::Geometry {
-    of(Kind::Hull(proto::ConvexHull {
-        points: points.into_iter().flatten().collect(),
-    }))
+    of(Kind::Hull(proto::ConvexHull { points: points.into_iter().flatten().collect() }))
 }
 
 /// A surface of triangles, felt from both sides; each triangle is three vertex numbers.
@@ -54,9 +50,5 @@ pub fn registered(geometry_id: impl Into<String>) -> proto::Geometry {
 }
 
 fn of(kind: Kind) -> proto::Geometry {
-    proto::Geometry {
-        kind: Some(kind),
-        rounding: 0.0,
-        scale: None,
-    }
+    proto::Geometry { kind: Some(kind), rounding: 0.0, scale: None }
 }

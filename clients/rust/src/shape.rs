@@ -20,13 +20,7 @@ pub struct Builder {
 
 /// A shape of any geometry, at the origin.
 pub fn of(id: u64, geometry: proto::Geometry) -> Builder {
-    Builder {
-        shape: proto::Shape {
-            id,
-            geometry: Some(geometry),
-            ..proto::Shape::default()
-        },
-    }
+    Builder { shape: proto::Shape { id, geometry: Some(geometry), ..proto::Shape::default() } }
 }
 
 /// A sphere.

@@ -40,12 +40,7 @@ impl Accuracy {
             Tier::Standard => (1e-6, 128),
             Tier::Exact => (0.0, 4096),
         };
-        Self {
-            tier,
-            max_error: 0.0,
-            max_error_relative,
-            budget,
-        }
+        Self { tier, max_error: 0.0, max_error_relative, budget }
     }
 }
 

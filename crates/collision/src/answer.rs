@@ -11,10 +11,7 @@ pub struct Bound {
 
 impl Bound {
     /// Nothing is known.
-    pub const UNBOUNDED: Self = Self {
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-    };
+    pub const UNBOUNDED: Self = Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
 
     /// From `lower` to `upper`.
     #[must_use]

@@ -17,10 +17,7 @@ pub(crate) struct Pages<T> {
 
 impl<T> Default for Pages<T> {
     fn default() -> Self {
-        Self {
-            pages: Vec::new(),
-            len: 0,
-        }
+        Self { pages: Vec::new(), len: 0 }
     }
 }
 
@@ -82,16 +79,7 @@ mod tests {
         pages.push(1000);
         assert_eq!((pages[70], pages[1000], pages.len()), (7, 1000, 1001));
         assert!(before.iter().copied().eq(0..1000));
-        let shared = before
-            .pages
-            .iter()
-            .zip(&pages.pages)
-            .filter(|(a, b)| Arc::ptr_eq(a, b))
-            .count();
-        assert_eq!(
-            shared,
-            before.pages.len() - 2,
-            "the pages of items 70 and 1000 were copied, no other"
-        );
+        let shared = before.pages.iter().zip(&pages.pages).filter(|(a, b)| Arc::ptr_eq(a, b)).count();
+        assert_eq!(shared, before.pages.len() - 2, "the pages of items 70 and 1000 were copied, no other");
     }
 }

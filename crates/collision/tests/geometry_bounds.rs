@@ -11,10 +11,7 @@ struct Numbers(u64);
 
 impl Numbers {
     fn within(&mut self, limit: i64) -> i64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as i64 % (limit + 1) - limit / 2
     }
 }
@@ -71,14 +68,8 @@ fn boxes_of_turned_forms_hold_every_corner_and_are_tight() {
                 let most = exact.iter().map(|c| c[axis]).max().expect("eight");
                 let below = excess(bounds.min[axis], position[axis], norm, least);
                 let above = excess(bounds.max[axis], position[axis], norm, most);
-                assert!(
-                    below <= 0.0 && above >= 0.0,
-                    "{geometry:?} at {pose:?} sticks out: {below} {above}"
-                );
-                assert!(
-                    below >= -slack && above <= slack,
-                    "{geometry:?} at {pose:?} is wide: {below} {above}"
-                );
+                assert!(below <= 0.0 && above >= 0.0, "{geometry:?} at {pose:?} sticks out: {below} {above}");
+                assert!(below >= -slack && above <= slack, "{geometry:?} at {pose:?} is wide: {below} {above}");
             }
         }
     }
@@ -92,9 +83,7 @@ fn boxes_of_unturned_forms_are_the_nearest_that_hold_them() {
     assert_eq!(bounds.min, DVec3::new(1e9 - 0.5, -0.4, -3.5));
     assert_eq!((bounds.max.x, bounds.max.z), (1e9 + 0.5, -2.5));
     assert!((0.6..=0.6_f64.next_up()).contains(&bounds.max.y));
-    let ball = Geometry::sphere(0.1)
-        .expect("a ball")
-        .bounds(&Pose::at(DVec3::splat(1e9)));
+    let ball = Geometry::sphere(0.1).expect("a ball").bounds(&Pose::at(DVec3::splat(1e9)));
     assert!(excess(ball.max.x, 1e9, 1, 0) >= 0.1 && excess(ball.min.x, 1e9, 1, 0) <= -0.1);
 }
 
@@ -113,9 +102,6 @@ fn reach_is_not_below_the_exact_one() {
         let mut excess = Expansion::default();
         excess.add_product(&reached, &reached);
         excess.add(-(exact as f64));
-        assert!(
-            excess.estimate() >= 0.0 && reach <= (exact as f64).sqrt() * (1.0 + 1e-14),
-            "{point}"
-        );
+        assert!(excess.estimate() >= 0.0 && reach <= (exact as f64).sqrt() * (1.0 + 1e-14), "{point}");
     }
 }

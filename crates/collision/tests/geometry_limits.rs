@@ -26,19 +26,13 @@ fn errors_name_field_and_component() {
     assert!(said(Geometry::hull(&[])).starts_with("points: is empty"));
     assert!(said(Geometry::hull(&[DVec3::ZERO, v(0.0, 0.0, f64::NAN)])).starts_with("points[1].z is NaN"));
     assert!(said(Geometry::hull(&[v(-2e12, 0.0, 0.0)])).starts_with("points[0].x is -2000000000000"));
-    assert_eq!(
-        said(Geometry::hull(&vec![DVec3::ONE; 65_537])),
-        "points has 65537 items: at most 65536 are allowed"
-    );
+    assert_eq!(said(Geometry::hull(&vec![DVec3::ONE; 65_537])), "points has 65537 items: at most 65536 are allowed");
 }
 
 #[test]
 fn errors_of_meshes_name_the_index() {
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X * 2.0];
-    assert_eq!(
-        said(Geometry::mesh(&corners, &[[0, 1, 2], [0, 1, 9]])),
-        "indices[5]: is 9: there are 4 vertices"
-    );
+    assert_eq!(said(Geometry::mesh(&corners, &[[0, 1, 2], [0, 1, 9]])), "indices[5]: is 9: there are 4 vertices");
     assert!(said(Geometry::mesh(&corners, &[])).starts_with("indices: is empty"));
     assert!(said(Geometry::mesh(&corners, &[[0, 1, 3], [1, 1, 2]])).starts_with("indices: no triangle has an area"));
     let bad = [DVec3::ZERO, DVec3::X, DVec3::new(0.0, f64::NEG_INFINITY, 0.0)];
@@ -74,24 +68,14 @@ fn equal_forms_have_equal_ids() -> Result<(), GeometryError> {
     assert_eq!(ball.id(), Geometry::point().rounded(2.0)?.id());
     assert_eq!(ball.id(), Geometry::sphere(1.0)?.scaled(2.0)?.id());
     assert_ne!(ball.id(), Geometry::sphere(2.0_f64.next_up())?.id());
-    assert_eq!(
-        Geometry::cuboid(DVec3::new(1.0, 0.0, 1.0))?.id(),
-        Geometry::cuboid(DVec3::new(1.0, -0.0, 1.0))?.id()
-    );
-    assert_ne!(
-        Geometry::cuboid(DVec3::new(1.0, 2.0, 1.0))?.id(),
-        Geometry::cuboid(DVec3::new(2.0, 1.0, 1.0))?.id()
-    );
+    assert_eq!(Geometry::cuboid(DVec3::new(1.0, 0.0, 1.0))?.id(), Geometry::cuboid(DVec3::new(1.0, -0.0, 1.0))?.id());
+    assert_ne!(Geometry::cuboid(DVec3::new(1.0, 2.0, 1.0))?.id(), Geometry::cuboid(DVec3::new(2.0, 1.0, 1.0))?.id());
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
     let signed = [-DVec3::ZERO, DVec3::X, DVec3::Y];
     let mesh = Geometry::mesh(&corners, &[[0, 1, 2]])?;
     assert_eq!(mesh.id(), Geometry::mesh(&signed, &[[0, 1, 2]])?.id());
     assert_ne!(mesh.id(), Geometry::mesh(&corners, &[[0, 2, 1]])?.id());
-    assert_ne!(
-        mesh.id(),
-        Geometry::mesh(&corners, &[[0, 0, 1], [0, 1, 2]])?.id(),
-        "faces are numbered otherwise"
-    );
+    assert_ne!(mesh.id(), Geometry::mesh(&corners, &[[0, 0, 1], [0, 1, 2]])?.id(), "faces are numbered otherwise");
     assert_ne!(mesh.id(), Geometry::hull(&corners)?.id());
     Ok(())
 }

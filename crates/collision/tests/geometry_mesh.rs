@@ -17,10 +17,7 @@ fn soup() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
     let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     let vertices = faces.iter().flatten().map(|&corner: &usize| corners[corner]).collect();
-    (
-        vertices,
-        (0..4).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
-    )
+    (vertices, (0..4).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect())
 }
 
 #[test]
@@ -28,17 +25,12 @@ fn equal_vertices_are_one_and_neighbours_are_found() {
     let (vertices, triangles) = soup();
     let geometry = Geometry::mesh(&vertices, &triangles).expect("a tetrahedron");
     let report = mesh_of(&geometry).report();
-    assert_eq!(
-        (report.triangles_sent, report.degenerate, report.merged_vertices),
-        (4, 0, 8)
-    );
+    assert_eq!((report.triangles_sent, report.degenerate, report.merged_vertices), (4, 0, 8));
     assert_eq!((report.open_edges, report.non_manifold_edges), (0, 0));
     let adjacency = mesh_of(&geometry).adjacency();
     for triangle in 0..4 {
-        let mut neighbours: Vec<usize> = (0..3)
-            .flat_map(|side| adjacency.across(triangle, side))
-            .map(|(other, _)| other)
-            .collect();
+        let mut neighbours: Vec<usize> =
+            (0..3).flat_map(|side| adjacency.across(triangle, side)).map(|(other, _)| other).collect();
         neighbours.sort_unstable();
         let others: Vec<usize> = (0..4).filter(|&other| other != triangle).collect();
         assert_eq!(neighbours, others);
@@ -60,23 +52,14 @@ fn open_and_many_sided_edges_are_counted() {
 #[test]
 fn triangles_without_area_are_left_out_and_numbers_stay_as_sent() {
     let third = 1.0 / 3.0;
-    let vertices = [
-        DVec3::ZERO,
-        DVec3::splat(third),
-        DVec3::splat(third * 2.0),
-        DVec3::X,
-        DVec3::ZERO,
-    ];
+    let vertices = [DVec3::ZERO, DVec3::splat(third), DVec3::splat(third * 2.0), DVec3::X, DVec3::ZERO];
     let triangles = [[0, 1, 2], [0, 3, 1], [0, 4, 3], [3, 2, 0]];
     let geometry = Geometry::mesh(&vertices, &triangles).expect("two faces");
     let mesh = mesh_of(&geometry);
     assert_eq!(mesh.report().degenerate, 2);
     assert_eq!([mesh.sent_number(0), mesh.sent_number(1)], [1, 3]);
     let larger = geometry.clone().scaled(4.0).expect("four times as large");
-    assert_eq!(
-        [mesh_of(&larger).sent_number(0), mesh_of(&larger).sent_number(1)],
-        [1, 3]
-    );
+    assert_eq!([mesh_of(&larger).sent_number(0), mesh_of(&larger).sent_number(1)], [1, 3]);
     assert_eq!(mesh_of(&larger).report().triangles_sent, 4);
     assert_eq!(larger.local_bounds().max, geometry.local_bounds().max * 4.0);
 }
@@ -96,11 +79,7 @@ fn lines_whose_rounded_differences_span_an_area_are_left_out() {
     let along = DVec3::new(3.0, 5.0, 7.0) / f64::from(1 << 20);
     let at = |steps: i64| along * steps as f64;
     let points = [at(-(1 << 50) - 1), at((1 << 50) + 2), at(-5)];
-    assert_ne!(
-        (points[1] - points[0]).cross(points[2] - points[0]),
-        DVec3::ZERO,
-        "rounding shows"
-    );
+    assert_ne!((points[1] - points[0]).cross(points[2] - points[0]), DVec3::ZERO, "rounding shows");
     assert!(Geometry::mesh(&points, &[[0, 1, 2]]).is_err());
 }
 

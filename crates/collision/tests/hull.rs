@@ -25,11 +25,7 @@ impl Noise {
 fn assert_is_solid_hull(hull: &Hull) {
     let topology = hull.topology();
     assert_eq!(topology.span, Span::Solid);
-    let extent = hull
-        .vertices()
-        .iter()
-        .map(|v| v.abs().max_element())
-        .fold(0.0, f64::max);
+    let extent = hull.vertices().iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
     for face in &topology.faces {
         assert!((face.normal.length() - 1.0).abs() < 1e-15);
         for &vertex in hull.vertices() {
@@ -40,15 +36,8 @@ fn assert_is_solid_hull(hull: &Hull) {
     let mut corners: Vec<u32> = topology.faces.iter().flat_map(|face| face.vertices.clone()).collect();
     corners.sort_unstable();
     corners.dedup();
-    assert_eq!(
-        corners.len() + topology.faces.len(),
-        topology.edges.len() + 2,
-        "Euler's formula"
-    );
-    assert_eq!(
-        topology.faces.iter().map(|face| face.vertices.len()).sum::<usize>(),
-        2 * topology.edges.len()
-    );
+    assert_eq!(corners.len() + topology.faces.len(), topology.edges.len() + 2, "Euler's formula");
+    assert_eq!(topology.faces.iter().map(|face| face.vertices.len()).sum::<usize>(), 2 * topology.edges.len());
 }
 
 #[test]
@@ -79,9 +68,7 @@ fn random_points_on_and_in_a_sphere() {
 fn slivers_and_nearly_flat_points_stay_solid() {
     let mut noise = Noise(7);
     for flatness in [1e-3, 1e-7, 1e-11, 1e-15] {
-        let points: Vec<DVec3> = (0..60)
-            .map(|_| noise.point() * DVec3::new(1.0, flatness, 1.0))
-            .collect();
+        let points: Vec<DVec3> = (0..60).map(|_| noise.point() * DVec3::new(1.0, flatness, 1.0)).collect();
         assert_is_solid_hull(&Hull::new(&points));
     }
 }
@@ -90,13 +77,8 @@ fn slivers_and_nearly_flat_points_stay_solid() {
 fn lower_dimensional_points_are_typed_hulls() {
     let span = |points: &[DVec3]| Hull::new(points).topology().span;
     assert_eq!(span(&[DVec3::ONE, DVec3::ONE]), Span::Point);
-    assert_eq!(
-        span(&[DVec3::ZERO, DVec3::ONE, DVec3::splat(0.25), DVec3::splat(-0.5)]),
-        Span::Segment
-    );
-    let square: Vec<DVec3> = (0..9)
-        .map(|i| DVec3::new(f64::from(i % 3), 0.5, f64::from(i / 3)))
-        .collect();
+    assert_eq!(span(&[DVec3::ZERO, DVec3::ONE, DVec3::splat(0.25), DVec3::splat(-0.5)]), Span::Segment);
+    let square: Vec<DVec3> = (0..9).map(|i| DVec3::new(f64::from(i % 3), 0.5, f64::from(i / 3))).collect();
     let hull = Hull::new(&square);
     assert_eq!(hull.topology().span, Span::Polygon);
     assert_eq!(hull.topology().edges.len(), 4);
@@ -108,10 +90,7 @@ fn lower_dimensional_points_are_typed_hulls() {
 fn a_segment_ends_at_its_outermost_points() {
     let hull = Hull::new(&[DVec3::ZERO, DVec3::ONE, DVec3::splat(0.25), DVec3::splat(-0.5)]);
     let edge = hull.topology().edges[0];
-    let mut ends = [
-        hull.vertices()[edge.start as usize].x,
-        hull.vertices()[edge.end as usize].x,
-    ];
+    let mut ends = [hull.vertices()[edge.start as usize].x, hull.vertices()[edge.end as usize].x];
     ends.sort_by(f64::total_cmp);
     assert_eq!(ends, [-0.5, 1.0]);
 }

@@ -28,11 +28,7 @@ impl Wrong {
 
     fn none(self, name: &str, asked: usize) {
         let shown: Vec<&String> = self.0.iter().take(5).collect();
-        assert!(
-            self.0.is_empty(),
-            "{name}: {} of {asked} are wrong: {shown:#?}",
-            self.0.len()
-        );
+        assert!(self.0.is_empty(), "{name}: {} of {asked} are wrong: {shown:#?}", self.0.len());
     }
 }
 
@@ -69,20 +65,10 @@ fn capsules_and_meshes() {
             let is_hit = record["overlap"].as_bool() == Some(true);
             let expected = if is_hit { Verdict::Hit } else { Verdict::Miss };
             wrong.unless(touching.verdict == expected, || format!("{record}\n    {touching:?}"));
-            let faces: Vec<u64> = contacts
-                .iter()
-                .filter_map(|contact| contact.feature_b.face)
-                .map(u64::from)
-                .collect();
-            let sure = record["ids"]
-                .as_array()
-                .expect("ids")
-                .iter()
-                .filter_map(serde_json::Value::as_u64);
+            let faces: Vec<u64> = contacts.iter().filter_map(|contact| contact.feature_b.face).map(u64::from).collect();
+            let sure = record["ids"].as_array().expect("ids").iter().filter_map(serde_json::Value::as_u64);
             let sure: Vec<u64> = sure.collect();
-            wrong.unless(sure.iter().all(|id| faces.contains(id)), || {
-                format!("{record}\n    contacts {faces:?}")
-            });
+            wrong.unless(sure.iter().all(|id| faces.contains(id)), || format!("{record}\n    contacts {faces:?}"));
             let nearest = alone(mesh.geometry, separation.feature_b.face.expect("a face"));
             let to_nearest = distance(capsule, at(&nearest, Pose::IDENTITY), f64::INFINITY, &EXACT, work);
             let to_nearest = to_nearest.expect("no limit").distance;
@@ -90,19 +76,14 @@ fn capsules_and_meshes() {
                 format!("{record}\n    another triangle is nearest: {separation:?}")
             });
         }
-        eprintln!(
-            "capsulemesh_{name}: {} records, largest error {worst:.1e} of the scale",
-            records.len()
-        );
+        eprintln!("capsulemesh_{name}: {} records, largest error {worst:.1e} of the scale", records.len());
         wrong.none(name, records.len());
     }
 }
 
 /// A face of a mesh (none of whose triangles was left out) as a mesh of its own.
 fn alone(geometry: &Geometry, face: u32) -> Geometry {
-    let Form::Mesh(mesh) = geometry.form() else {
-        panic!("a mesh")
-    };
+    let Form::Mesh(mesh) = geometry.form() else { panic!("a mesh") };
     Geometry::mesh(&mesh.corners(face as usize), &[[0, 1, 2]]).expect("a triangle")
 }
 
@@ -117,11 +98,7 @@ fn balls_that_fly_at_meshes() {
         for record in records.iter().filter(|record| !reference::is_ambiguous(record)) {
             let ball = Geometry::sphere(number(record, "r")).expect("a ball");
             let (origin, way) = (vector(record, "o"), vector(record, "d"));
-            let motion = Motion {
-                displacement_a: way,
-                displacement_b: DVec3::ZERO,
-                initial: InitialTouch::Counts,
-            };
+            let motion = Motion { displacement_a: way, displacement_b: DVec3::ZERO, initial: InitialTouch::Counts };
             let touch = linear_impact(at(&ball, Pose::at(origin)), mesh, &motion, &EXACT, &mut Work::default());
             let is_hit = record["hit"].as_bool() == Some(true);
             let Some(touch) = touch else {
@@ -143,19 +120,14 @@ fn balls_that_fly_at_meshes() {
                 continue;
             }
             let there = at(&ball, Pose::at(origin + way * touch.fraction));
-            let gap = distance(there, mesh, f64::INFINITY, &EXACT, &mut Work::default())
-                .expect("no limit")
-                .distance;
+            let gap = distance(there, mesh, f64::INFINITY, &EXACT, &mut Work::default()).expect("no limit").distance;
             let inside = penetration(there, mesh, 0.0, &EXACT, &mut Work::default()).expect("one mesh");
             let depth = inside.iter().map(|contact| contact.depth).fold(0.0, f64::max);
             let error = gap.max(depth) / number(record, "s");
             worst = worst.max(error);
             wrong.unless(error <= 1e-10, || format!("{record}\n    off by {error}: {touch:?}"));
         }
-        eprintln!(
-            "spherecast_{name}: {} records, largest error {worst:.1e} of the scale",
-            records.len()
-        );
+        eprintln!("spherecast_{name}: {} records, largest error {worst:.1e} of the scale", records.len());
         wrong.none(name, records.len());
     }
 }
@@ -176,17 +148,13 @@ fn a_robot_in_its_rooms() {
         let touching = overlap(robot, environment, &EXACT, work);
         let expected = if truth > 0.0 { Verdict::Miss } else { Verdict::Hit };
         let is_judged = !reference::is_ambiguous(record);
-        wrong.unless(!is_judged || touching.verdict == expected, || {
-            format!("{record}\n    {touching:?}")
-        });
+        wrong.unless(!is_judged || touching.verdict == expected, || format!("{record}\n    {touching:?}"));
         let separation = distance(robot, environment, f64::INFINITY, &EXACT, work).expect("no limit");
         let swapped = distance(environment, robot, f64::INFINITY, &EXACT, work).expect("no limit");
         wrong.unless(separation.distance.to_bits() == swapped.distance.to_bits(), || {
             format!("{record}\n    {swapped:?}")
         });
-        wrong.unless(separation.feature_a == swapped.feature_b, || {
-            format!("{record}\n    {swapped:?}")
-        });
+        wrong.unless(separation.feature_a == swapped.feature_b, || format!("{record}\n    {swapped:?}"));
         let error = (separation.distance - truth).abs() / size;
         worst = worst.max(error);
         wrong.unless(error <= 1e-12, || format!("{record}\n    {separation:?}"));
@@ -194,10 +162,7 @@ fn a_robot_in_its_rooms() {
         let is_within = bound.lower - 4e-16 * size <= truth && truth <= bound.upper + 4e-16 * size;
         wrong.unless(is_within, || format!("{record}\n    truth outside: {separation:?}"));
     }
-    eprintln!(
-        "mesh_mesh_fcl_env_rob: {} records, largest error {worst:.1e} of the scale",
-        records.len()
-    );
+    eprintln!("mesh_mesh_fcl_env_rob: {} records, largest error {worst:.1e} of the scale", records.len());
     wrong.none("mesh_mesh_fcl_env_rob", records.len());
 }
 
@@ -208,11 +173,7 @@ fn two_parts_in_motion_whose_corners_lie_far_from_their_own_origin() {
     let text = std::fs::read_to_string(folder.join("motion/fcl_model1_frames.csv")).expect("frames");
     let rows: Vec<Vec<f64>> = text
         .lines()
-        .map(|line| {
-            line.split([',', ' ', ';'])
-                .filter_map(|word| word.trim().parse().ok())
-                .collect()
-        })
+        .map(|line| line.split([',', ' ', ';']).filter_map(|word| word.trim().parse().ok()).collect())
         .filter(|row: &Vec<f64>| row.len() == 26)
         .collect();
     let records = reference::records(&folder, "motion/fcl_model1_expected.jsonl");
@@ -234,9 +195,6 @@ fn two_parts_in_motion_whose_corners_lie_far_from_their_own_origin() {
         worst = worst.max(error);
         wrong.unless(error <= 1e-9, || format!("{record}\n    {separation:?}"));
     }
-    eprintln!(
-        "motion: {} frames, largest error {worst:.1e} of the scale",
-        records.len()
-    );
+    eprintln!("motion: {} frames, largest error {worst:.1e} of the scale", records.len());
     wrong.none("motion", records.len());
 }

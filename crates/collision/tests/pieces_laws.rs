@@ -73,22 +73,14 @@ fn questions_about_a_form_and_a_mesh_agree_with_each_other_and_with_its_triangle
         let far = [1.0, 1e3, 1e6][round % 3];
         let place = pose(&mut numbers, far);
         let mesh = at(&soup, place);
-        let other = Pose::new(
-            place.position + vector(&mut numbers) * 1.1,
-            pose(&mut numbers, 1.0).rotation,
-        );
+        let other = Pose::new(place.position + vector(&mut numbers) * 1.1, pose(&mut numbers, 1.0).rotation);
         let body = at(&form, other);
         let context = || format!("{form:?} at {other:?}, soup {round} at {place:?}");
 
         let (found, apart) = check_distance(body, mesh, &triangles, &context);
         let least = found.distance;
         let touching = overlap(body, mesh, &EXACT, &mut work());
-        assert_eq!(
-            touching.verdict,
-            overlap(mesh, body, &EXACT, &mut work()).verdict,
-            "{}",
-            context()
-        );
+        assert_eq!(touching.verdict, overlap(mesh, body, &EXACT, &mut work()).verdict, "{}", context());
         match touching.verdict {
             Verdict::Hit => {
                 hits += 1;
@@ -118,12 +110,7 @@ fn check_distance(
     let found = distance(body, mesh, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
     let swapped = distance(mesh, body, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
     assert_eq!(found.distance.to_bits(), swapped.distance.to_bits(), "{}", context());
-    assert_eq!(
-        (found.point_on_a, found.feature_b),
-        (swapped.point_on_b, swapped.feature_a),
-        "{}",
-        context()
-    );
+    assert_eq!((found.point_on_a, found.feature_b), (swapped.point_on_b, swapped.feature_a), "{}", context());
     assert_eq!(found.certificate, swapped.certificate, "{}", context());
     let apart: Vec<f64> = triangles
         .iter()
@@ -134,12 +121,7 @@ fn check_distance(
     assert_eq!(found.distance, least, "{}", context());
     let face = found.feature_b.face.expect("a face") as usize;
     assert_eq!(apart[face], least, "{}", context());
-    assert_eq!(
-        apart.iter().position(|&distance| distance == least),
-        Some(face),
-        "{}",
-        context()
-    );
+    assert_eq!(apart.iter().position(|&distance| distance == least), Some(face), "{}", context());
     assert!(found.certificate.bound.contains(least), "{}", context());
 
     (found, apart)
@@ -150,11 +132,7 @@ fn check_contacts(body: Placed<'_>, mesh: Placed<'_>, apart: &[f64], context: &d
     let gap = 0.1;
     let contacts = penetration(body, mesh, gap, &EXACT, &mut work()).expect("one mesh");
     let faces: Vec<u32> = contacts.iter().filter_map(|contact| contact.feature_b.face).collect();
-    let expected: Vec<u32> = (0..)
-        .zip(apart)
-        .filter(|&(_, &apart)| apart <= gap)
-        .map(|(face, _)| face)
-        .collect();
+    let expected: Vec<u32> = (0..).zip(apart).filter(|&(_, &apart)| apart <= gap).map(|(face, _)| face).collect();
     assert_eq!(faces, expected, "{}", context());
     let swapped = penetration(mesh, body, gap, &EXACT, &mut work()).expect("one mesh");
     let faces: Vec<u32> = swapped.iter().filter_map(|contact| contact.feature_a.face).collect();
@@ -186,27 +164,11 @@ fn an_exact_touch_is_never_a_miss() {
         let ball = Geometry::sphere((radius * norm) as f64).expect("a ball");
         let ball = at(&ball, Pose::at(to_f64(center)));
         let context = || format!("{ball:?} and {mesh:?}");
-        assert_ne!(
-            overlap(ball, mesh, &EXACT, &mut work()).verdict,
-            Verdict::Miss,
-            "{}",
-            context()
-        );
-        assert_ne!(
-            overlap(mesh, ball, &EXACT, &mut work()).verdict,
-            Verdict::Miss,
-            "{}",
-            context()
-        );
+        assert_ne!(overlap(ball, mesh, &EXACT, &mut work()).verdict, Verdict::Miss, "{}", context());
+        assert_ne!(overlap(mesh, ball, &EXACT, &mut work()).verdict, Verdict::Miss, "{}", context());
         let found = distance(ball, mesh, 0.0, &EXACT, &mut work()).unwrap_or_else(|| panic!("{}", context()));
         assert_eq!(found.certificate.bound.lower, 0.0, "{}", context());
-        assert!(
-            !penetration(ball, mesh, 0.0, &EXACT, &mut work())
-                .expect("one mesh")
-                .is_empty(),
-            "{}",
-            context()
-        );
+        assert!(!penetration(ball, mesh, 0.0, &EXACT, &mut work()).expect("one mesh").is_empty(), "{}", context());
     }
 }
 
@@ -223,13 +185,8 @@ fn two_meshes_are_as_far_apart_as_their_nearest_triangles() {
         let found = distance(a, b, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
         let swapped = distance(b, a, f64::INFINITY, &EXACT, &mut work()).expect("no limit");
         assert_eq!(found.distance.to_bits(), swapped.distance.to_bits());
-        assert_eq!(
-            (found.feature_a, found.feature_b),
-            (swapped.feature_b, swapped.feature_a)
-        );
-        let pairs = triangles
-            .iter()
-            .flat_map(|one| others.iter().map(move |other| (one, other)));
+        assert_eq!((found.feature_a, found.feature_b), (swapped.feature_b, swapped.feature_a));
+        let pairs = triangles.iter().flat_map(|one| others.iter().map(move |other| (one, other)));
         let least = pairs
             .map(|(one, other)| {
                 distance(at(one, here), at(other, there), f64::INFINITY, &EXACT, &mut work())
@@ -237,38 +194,22 @@ fn two_meshes_are_as_far_apart_as_their_nearest_triangles() {
                     .distance
             })
             .fold(f64::INFINITY, f64::min);
-        assert!(
-            (found.distance - least).abs() <= 1e-14,
-            "{} is not {least}",
-            found.distance
-        );
+        assert!((found.distance - least).abs() <= 1e-14, "{} is not {least}", found.distance);
         let verdict = overlap(a, b, &EXACT, &mut work()).verdict;
         assert_eq!(verdict, overlap(b, a, &EXACT, &mut work()).verdict);
         hits += u32::from(verdict == Verdict::Hit && least == 0.0);
         misses += u32::from(verdict == Verdict::Miss && least > 0.0);
-        assert_eq!(
-            penetration(a, b, 0.0, &EXACT, &mut work()).err(),
-            Some(NeedsDecomposition)
-        );
+        assert_eq!(penetration(a, b, 0.0, &EXACT, &mut work()).err(), Some(NeedsDecomposition));
     }
-    assert!(
-        hits + misses == 100 && hits > 30 && misses > 30,
-        "{hits} hits, {misses} misses"
-    );
+    assert!(hits + misses == 100 && hits > 30 && misses > 30, "{hits} hits, {misses} misses");
 }
 
 fn motion(displacement_a: DVec3, displacement_b: DVec3, initial: InitialTouch) -> Motion {
-    Motion {
-        displacement_a,
-        displacement_b,
-        initial,
-    }
+    Motion { displacement_a, displacement_b, initial }
 }
 
 fn is_before(touch: &Option<ImpactTouch>, certificate: &Certificate) -> bool {
-    touch
-        .as_ref()
-        .is_some_and(|touch| touch.certificate.bound.lower <= certificate.bound.upper)
+    touch.as_ref().is_some_and(|touch| touch.certificate.bound.lower <= certificate.bound.upper)
 }
 
 #[test]
@@ -283,22 +224,14 @@ fn the_first_touch_of_a_mesh_is_that_of_its_first_triangle() {
         let away = vector(&mut numbers) * 3.0;
         there.position = here.position + away;
         let (by_form, by_mesh) = (vector(&mut numbers) * 1.5 - away, vector(&mut numbers) * 0.5);
-        let initial = if round % 3 == 0 {
-            InitialTouch::IsIgnored
-        } else {
-            InitialTouch::Counts
-        };
+        let initial = if round % 3 == 0 { InitialTouch::IsIgnored } else { InitialTouch::Counts };
         let touch_of = |geometry: &Geometry| {
             let (a, b) = (at(&form, there), at(geometry, here));
             linear_impact(a, b, &motion(by_form, by_mesh, initial), &EXACT, &mut work())
         };
         let alone: Vec<Option<ImpactTouch>> = triangles.iter().map(touch_of).collect();
         let whole = touch_of(&soup);
-        let earliest = alone
-            .iter()
-            .flatten()
-            .map(|touch| touch.fraction)
-            .fold(f64::INFINITY, f64::min);
+        let earliest = alone.iter().flatten().map(|touch| touch.fraction).fold(f64::INFINITY, f64::min);
         let Some(touch) = whole else {
             assert!(alone.iter().all(Option::is_none), "round {round}: {alone:?}");
             continue;
@@ -306,10 +239,7 @@ fn the_first_touch_of_a_mesh_is_that_of_its_first_triangle() {
         hits += 1;
         assert_eq!(touch.certificate.verdict, Verdict::Hit, "round {round}: {touch:?}");
         assert_eq!(touch.fraction, earliest, "round {round}");
-        assert!(is_before(
-            &alone[touch.feature_b.face.expect("a face") as usize],
-            &touch.certificate
-        ));
+        assert!(is_before(&alone[touch.feature_b.face.expect("a face") as usize], &touch.certificate));
         let back = motion(by_mesh, by_form, initial);
         let swapped = linear_impact(at(&soup, here), at(&form, there), &back, &EXACT, &mut work());
         let swapped = swapped.expect("as the other way round");

@@ -25,15 +25,10 @@ fn cast(mesh: &Geometry, record: &Value) -> RayTouches {
         origin: reference::vector(record, "o"),
         direction,
         min_distance: 0.0,
-        max_distance: record["max_t"]
-            .as_f64()
-            .map_or(4e12, |max_t| max_t * direction.length()),
+        max_distance: record["max_t"].as_f64().map_or(4e12, |max_t| max_t * direction.length()),
         hollow: false,
     };
-    let target = Placed {
-        geometry: mesh,
-        pose: Pose::at(reference::vector(record, "p")),
-    };
+    let target = Placed { geometry: mesh, pose: Pose::at(reference::vector(record, "p")) };
     raycast(&ray, target, &Accuracy::default(), &mut Work::default())
 }
 
@@ -46,18 +41,10 @@ fn judge(case: &Case<'_>, touches: RayTouches) -> Result<f64, String> {
     }
     let is_hit = record["hit"].as_bool().expect("hit");
     let Some(touch) = touches.certain else {
-        return if is_hit && judged {
-            Err("missed".into())
-        } else {
-            Ok(0.0)
-        };
+        return if is_hit && judged { Err("missed".into()) } else { Ok(0.0) };
     };
     if !is_hit {
-        return if judged {
-            Err(format!("hit: {touch:?}"))
-        } else {
-            Ok(0.0)
-        };
+        return if judged { Err(format!("hit: {touch:?}")) } else { Ok(0.0) };
     }
     assert_eq!(touch.certificate.verdict, Verdict::Hit);
     let length = case.direction.length();
@@ -65,11 +52,7 @@ fn judge(case: &Case<'_>, touches: RayTouches) -> Result<f64, String> {
     let incidence = record["cos"].as_f64().unwrap_or(1.0).max(1e-2);
     let error = (touch.distance - distance).abs() / (1e-12 * case.scale / incidence);
     let face = touch.feature.face.expect("a face");
-    let is_named = record["ids"]
-        .as_array()
-        .expect("ids")
-        .iter()
-        .any(|id| id.as_u64() == Some(face.into()));
+    let is_named = record["ids"].as_array().expect("ids").iter().any(|id| id.as_u64() == Some(face.into()));
     // Ambiguous records may be answered by another triangle, with its own distance.
     if !judged {
         return Ok(0.0);
@@ -85,11 +68,7 @@ fn judge(case: &Case<'_>, touches: RayTouches) -> Result<f64, String> {
     if bound.width() > 2e-13 * case.scale / incidence {
         return Err(format!("wide: {bound:?}"));
     }
-    if error > 1.0 {
-        Err(format!("off by {error} of the tolerance: {touch:?}"))
-    } else {
-        Ok(error)
-    }
+    if error > 1.0 { Err(format!("off by {error} of the tolerance: {touch:?}")) } else { Ok(error) }
 }
 
 #[test]
@@ -103,26 +82,14 @@ fn every_ray_of_the_data_is_answered_right() {
         let records = reference::records(&folder, &format!("rays_{name}.jsonl"));
         for record in &records {
             let way = reference::vector(record, "o") - bounds.center() - reference::vector(record, "p");
-            let case = Case {
-                record,
-                direction: reference::vector(record, "d"),
-                scale: diagonal + way.length(),
-            };
+            let case = Case { record, direction: reference::vector(record, "d"), scale: diagonal + way.length() };
             match judge(&case, cast(&mesh, record)) {
                 Ok(error) => worst = worst.max(error),
                 Err(reason) => wrong.push(format!("{record}\n    {reason}")),
             }
         }
         let shown: Vec<&String> = wrong.iter().take(5).collect();
-        assert!(
-            wrong.is_empty(),
-            "{name}: {} of {} are wrong: {shown:#?}",
-            wrong.len(),
-            records.len()
-        );
-        eprintln!(
-            "{name}: {} rays, largest error {worst:.1e} of the tolerance",
-            records.len()
-        );
+        assert!(wrong.is_empty(), "{name}: {} of {} are wrong: {shown:#?}", wrong.len(), records.len());
+        eprintln!("{name}: {} rays, largest error {worst:.1e} of the tolerance", records.len());
     }
 }

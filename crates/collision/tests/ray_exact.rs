@@ -27,10 +27,7 @@ fn balls() {
         let scene = Scene::random(&mut numbers, radius + radius / 4 + 1);
         let ball = Geometry::sphere(radius as f64 * scene.scale).expect("a ball");
         let from = [0, 1, 2].map(|axis| scene.origin[axis] - scene.position[axis]);
-        let (half_b, a) = (
-            whole::dot(from, scene.direction),
-            whole::dot(scene.direction, scene.direction),
-        );
+        let (half_b, a) = (whole::dot(from, scene.direction), whole::dot(scene.direction, scene.direction));
         let c = whole::dot(from, from) - radius * radius;
         let discriminant = half_b * half_b - a * c;
         let root = (discriminant as f64).sqrt();
@@ -58,10 +55,7 @@ fn balls() {
 fn box_stretch(scene: &Scene, half: V3) -> Option<(Fraction, Fraction)> {
     let from = [0, 1, 2].map(|axis| scene.origin[axis] - scene.position[axis]);
     let norm = scene.rotation.iter().map(|part| part * part).sum::<i128>();
-    let (origin, direction) = (
-        turned_back(scene.rotation, from),
-        turned_back(scene.rotation, scene.direction),
-    );
+    let (origin, direction) = (turned_back(scene.rotation, from), turned_back(scene.rotation, scene.direction));
     let (mut entry, mut exit): (Option<Fraction>, Option<Fraction>) = (None, None);
     for axis in 0..3 {
         let wall = half[axis] * norm;
@@ -131,18 +125,13 @@ fn boxes_their_hulls_and_their_meshes() {
 fn hull_stretch(scene: &Scene, points: &[V3]) -> Option<(Fraction, Fraction)> {
     let from = [0, 1, 2].map(|axis| scene.origin[axis] - scene.position[axis]);
     let norm = scene.rotation.iter().map(|part| part * part).sum::<i128>();
-    let (origin, direction) = (
-        turned_back(scene.rotation, from),
-        turned_back(scene.rotation, scene.direction),
-    );
+    let (origin, direction) = (turned_back(scene.rotation, from), turned_back(scene.rotation, scene.direction));
     let (mut entry, mut exit) = (Fraction::new(-1 << 60, 1), Fraction::new(1 << 60, 1));
     for (i, &a) in points.iter().enumerate() {
         for (j, &b) in points.iter().enumerate().skip(i + 1) {
             for &c in &points[j + 1..] {
                 let normal = whole::cross(whole::minus(b, a), whole::minus(c, a));
-                let sides = points
-                    .iter()
-                    .map(|&point| whole::dot(normal, whole::minus(point, a)).signum());
+                let sides = points.iter().map(|&point| whole::dot(normal, whole::minus(point, a)).signum());
                 let (above, below) = (sides.clone().any(|side| side > 0), sides.clone().any(|side| side < 0));
                 if above == below {
                     continue;
@@ -238,11 +227,7 @@ fn plates_are_hit_though_they_have_no_thickness() {
     for _ in 0..10_000 {
         let half = [numbers.below(1000) + 1, 0, numbers.below(1000) + 1];
         let mut scene = Scene::random(&mut numbers, 400);
-        scene.rotation = if scene.rotation[0] == 0 {
-            [0, 0, 0, 1]
-        } else {
-            scene.rotation
-        };
+        scene.rotation = if scene.rotation[0] == 0 { [0, 0, 0, 1] } else { scene.rotation };
         let plate = Geometry::cuboid(to_f64(half) * scene.scale).expect("a plate");
         let flat = Geometry::hull(&corners(half, scene.scale)).expect("a flat hull");
         let truth = box_stretch(&scene, half).map(|(entry, _)| scene.metres(entry.to_f64().max(0.0)));
@@ -256,16 +241,8 @@ fn plates_are_hit_though_they_have_no_thickness() {
 #[test]
 fn rays_in_the_very_face_of_an_unturned_box_touch_it() {
     let cuboid = Geometry::cuboid(DVec3::new(0.1, 0.7, 0.3)).expect("a box");
-    let target = Placed {
-        geometry: &cuboid,
-        pose: Pose::at(DVec3::new(0.0, 5.0, -8.0)),
-    };
-    for (x, expected) in [
-        (0.1, true),
-        (0.1_f64.next_up(), false),
-        (-0.1, true),
-        (0.1_f64.next_down(), true),
-    ] {
+    let target = Placed { geometry: &cuboid, pose: Pose::at(DVec3::new(0.0, 5.0, -8.0)) };
+    for (x, expected) in [(0.1, true), (0.1_f64.next_up(), false), (-0.1, true), (0.1_f64.next_down(), true)] {
         let ray = Ray {
             origin: DVec3::new(x, 1e6, -8.0),
             direction: -DVec3::Y,
@@ -274,11 +251,7 @@ fn rays_in_the_very_face_of_an_unturned_box_touch_it() {
             hollow: false,
         };
         let touches = raycast(&ray, target, &Accuracy::default(), &mut Work::default());
-        assert_eq!(
-            (touches.certain.is_some(), touches.undecided.is_some()),
-            (expected, false),
-            "{x}"
-        );
+        assert_eq!((touches.certain.is_some(), touches.undecided.is_some()), (expected, false), "{x}");
     }
 }
 
@@ -294,20 +267,9 @@ fn no_ray_slips_between_triangles_that_face_alike() {
         // Corners 4 to 7 are the face z = 500, its diagonal goes from 4 to 7. The aim is a point of it, and the ray
         // comes from above, all multiplied by the norm, so that the turned point is whole.
         let share = if round % 2 == 0 { 0 } else { numbers.below(1001) };
-        let local = [
-            -half[0] * (1000 - 2 * share),
-            -half[1] * (1000 - 2 * share),
-            half[2] * 1000,
-        ];
-        let from = [
-            local[0] + numbers.within(400_000),
-            local[1] + numbers.within(400_000),
-            900_000,
-        ];
-        let (aim, from) = (
-            whole::turned(scene.rotation, local),
-            whole::turned(scene.rotation, from),
-        );
+        let local = [-half[0] * (1000 - 2 * share), -half[1] * (1000 - 2 * share), half[2] * 1000];
+        let from = [local[0] + numbers.within(400_000), local[1] + numbers.within(400_000), 900_000];
+        let (aim, from) = (whole::turned(scene.rotation, local), whole::turned(scene.rotation, from));
         scene.position = [0; 3];
         scene.origin = from;
         scene.direction = [0, 1, 2].map(|axis| aim[axis] - from[axis]);
@@ -321,19 +283,11 @@ fn no_ray_slips_between_triangles_that_face_alike() {
             let truth = scene.metres(1.0);
             let bound = touch.certificate.bound;
             let is_within = bound.lower <= truth * (1.0 + 4e-16) && truth <= bound.upper * (1.0 + 4e-16);
-            assert!(
-                is_within || !is_inner && touches.undecided.is_some(),
-                "{truth} is not in {bound:?}"
-            );
+            assert!(is_within || !is_inner && touches.undecided.is_some(), "{truth} is not in {bound:?}");
         } else {
             open += 1;
             assert!(!is_inner, "share {share}: {:?} at {:?}", scene.ray(false), scene.pose());
-            assert!(
-                touches.undecided.is_some(),
-                "slipped: {:?} at {:?}",
-                scene.ray(false),
-                scene.pose()
-            );
+            assert!(touches.undecided.is_some(), "slipped: {:?} at {:?}", scene.ray(false), scene.pose());
         }
     }
     assert!(hits > 2 * open && open > 0, "{hits} hits, {open} open");

@@ -20,13 +20,7 @@ fn at(geometry: &Geometry, pose: Pose) -> Placed<'_> {
 }
 
 fn ray(origin: DVec3, direction: DVec3) -> Ray {
-    Ray {
-        origin,
-        direction,
-        min_distance: 0.0,
-        max_distance: 1e18,
-        hollow: false,
-    }
+    Ray { origin, direction, min_distance: 0.0, max_distance: 1e18, hollow: false }
 }
 
 fn cast(ray: &Ray, target: Placed<'_>) -> RayTouches {
@@ -54,41 +48,17 @@ fn forms(numbers: &mut Numbers) -> Vec<(&'static str, Geometry)> {
         ("box", Geometry::cuboid(half)),
         ("rounded box", Geometry::cuboid(half).and_then(|form| form.rounded(0.3))),
         ("plate", Geometry::cuboid(DVec3::new(half.x, 0.0, half.z))),
-        (
-            "rounded plate",
-            Geometry::cuboid(DVec3::new(half.x, 0.0, half.z)).and_then(|form| form.rounded(0.1)),
-        ),
-        (
-            "rounded stick",
-            Geometry::cuboid(DVec3::new(half.x, 0.0, 0.0)).and_then(|form| form.rounded(0.4)),
-        ),
+        ("rounded plate", Geometry::cuboid(DVec3::new(half.x, 0.0, half.z)).and_then(|form| form.rounded(0.1))),
+        ("rounded stick", Geometry::cuboid(DVec3::new(half.x, 0.0, 0.0)).and_then(|form| form.rounded(0.4))),
         ("hull", Geometry::hull(&points)),
-        (
-            "rounded hull",
-            Geometry::hull(&points).and_then(|form| form.rounded(0.2)),
-        ),
+        ("rounded hull", Geometry::hull(&points).and_then(|form| form.rounded(0.2))),
         ("flat hull", Geometry::hull(&flat)),
-        (
-            "rounded flat hull",
-            Geometry::hull(&flat).and_then(|form| form.rounded(0.2)),
-        ),
-        (
-            "rounded straight hull",
-            Geometry::hull(&points[..2]).and_then(|form| form.rounded(0.4)),
-        ),
-        (
-            "rounded point hull",
-            Geometry::hull(&points[..1]).and_then(|form| form.rounded(0.5)),
-        ),
-        (
-            "mesh",
-            Geometry::mesh(&points, &[[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11], [0, 5, 10]]),
-        ),
+        ("rounded flat hull", Geometry::hull(&flat).and_then(|form| form.rounded(0.2))),
+        ("rounded straight hull", Geometry::hull(&points[..2]).and_then(|form| form.rounded(0.4))),
+        ("rounded point hull", Geometry::hull(&points[..1]).and_then(|form| form.rounded(0.5))),
+        ("mesh", Geometry::mesh(&points, &[[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11], [0, 5, 10]])),
     ];
-    forms
-        .map(|(name, form)| (name, form.expect(name)))
-        .into_iter()
-        .collect()
+    forms.map(|(name, form)| (name, form.expect(name))).into_iter().collect()
 }
 
 fn pose(numbers: &mut Numbers, far: f64) -> Pose {
@@ -99,13 +69,7 @@ fn pose(numbers: &mut Numbers, far: f64) -> Pose {
 /// How far a point is from a placed form.
 fn gap(target: Placed<'_>, point: DVec3) -> f64 {
     let probe = Geometry::point();
-    let found = distance(
-        at(&probe, Pose::at(point)),
-        target,
-        f64::INFINITY,
-        &EXACT,
-        &mut Work::default(),
-    );
+    let found = distance(at(&probe, Pose::at(point)), target, f64::INFINITY, &EXACT, &mut Work::default());
     found.expect("no limit").distance
 }
 
@@ -131,21 +95,12 @@ fn the_touch_is_on_the_surface_and_the_way_to_it_is_free() {
                 (Some(touch), _) => {
                     count[0] += 1;
                     let off = gap(target, touch.point);
-                    assert!(
-                        off <= 1e-13 * size,
-                        "{name}: {off} off the surface, {ray:?}, {pose:?}: {touch:?}"
-                    );
+                    assert!(off <= 1e-13 * size, "{name}: {off} off the surface, {ray:?}, {pose:?}: {touch:?}");
                     let along = origin + unit * touch.distance;
-                    assert!(
-                        (along - touch.point).length() <= 1e-13 * size,
-                        "{name}: off the ray: {touch:?}"
-                    );
+                    assert!((along - touch.point).length() <= 1e-13 * size, "{name}: off the ray: {touch:?}");
                     assert!(touch.certificate.bound.contains(touch.distance), "{name}: {touch:?}");
                     assert!(touch.inside == touch.normal.is_none(), "{name}: {touch:?}");
-                    assert!(
-                        touch.normal.is_none_or(|normal| normal.dot(unit) < 1e-9),
-                        "{name}: {touch:?}"
-                    );
+                    assert!(touch.normal.is_none_or(|normal| normal.dot(unit) < 1e-9), "{name}: {touch:?}");
                     touch.certificate.bound.lower
                 }
                 (None, Some(open)) => {
@@ -172,10 +127,7 @@ fn the_touch_is_on_the_surface_and_the_way_to_it_is_free() {
     }
     for (name, [hits, misses, open]) in counts {
         let part = f64::from(hits) / f64::from(hits + misses + open);
-        assert!(
-            (0.1..0.95).contains(&part) && open * 100 <= hits,
-            "{name}: {hits} hits, {misses} misses, {open} open"
-        );
+        assert!((0.1..0.95).contains(&part) && open * 100 <= hits, "{name}: {hits} hits, {misses} misses, {open} open");
     }
 }
 
@@ -187,17 +139,9 @@ fn assert_same_bits(name: &str, a: Option<RayTouch>, b: Option<RayTouch>, scale:
     assert_eq!(a.certificate.verdict, b.certificate.verdict, "{name}");
     assert_eq!((a.distance * scale).to_bits(), b.distance.to_bits(), "{name}");
     assert_eq!(a.point * scale, b.point, "{name}");
-    assert_eq!(
-        (a.normal, a.inside, a.feature),
-        (b.normal, b.inside, b.feature),
-        "{name}"
-    );
+    assert_eq!((a.normal, a.inside, a.feature), (b.normal, b.inside, b.feature), "{name}");
     let (inner, outer) = (a.certificate.bound, b.certificate.bound);
-    assert_eq!(
-        (inner.lower * scale, inner.upper * scale),
-        (outer.lower, outer.upper),
-        "{name}"
-    );
+    assert_eq!((inner.lower * scale, inner.upper * scale), (outer.lower, outer.upper), "{name}");
 }
 
 #[test]
@@ -247,15 +191,9 @@ fn a_rigid_motion_of_everything_keeps_the_answer_within_its_bounds() {
             let origin = vector(&mut numbers) * 20.0;
             let direction = here.position + vector(&mut numbers) - origin;
             let motion = pose(&mut numbers, 100.0);
-            let moved = Pose::new(
-                motion.transform_point(here.position),
-                motion.unit_rotation() * here.unit_rotation(),
-            );
+            let moved = Pose::new(motion.transform_point(here.position), motion.unit_rotation() * here.unit_rotation());
             let a = cast(&ray(origin, direction), at(&form, here));
-            let b = cast(
-                &ray(motion.transform_point(origin), motion.matrix() * direction),
-                at(&form, moved),
-            );
+            let b = cast(&ray(motion.transform_point(origin), motion.matrix() * direction), at(&form, moved));
             // The moved numbers are rounded, so intervals may differ by that, and by more where the ray grazes.
             if let (Some(a), Some(b)) = (a.certain, b.certain)
                 && let Some((normal, _)) = a.normal.zip(b.normal)
@@ -276,11 +214,7 @@ fn winding_and_order_of_triangles_do_not_matter() {
         let points: Vec<DVec3> = (0..8).map(|_| vector(&mut numbers)).collect();
         let triangles = [[0, 1, 2], [2, 1, 3], [3, 4, 5], [5, 4, 6], [6, 7, 0]];
         let reversed = triangles.map(|[a, b, c]| [a, c, b]);
-        let here = if round % 2 == 0 {
-            Pose::at(vector(&mut numbers))
-        } else {
-            pose(&mut numbers, 1.0)
-        };
+        let here = if round % 2 == 0 { Pose::at(vector(&mut numbers)) } else { pose(&mut numbers, 1.0) };
         let origin = vector(&mut numbers) * 10.0;
         let aim = points[round % 8] * share(&mut numbers);
         let ray = ray(origin, here.transform_point(aim) - origin);
@@ -299,9 +233,7 @@ fn winding_and_order_of_triangles_do_not_matter() {
 fn limits_are_kept_and_walls_come_in_order() {
     let ball = Geometry::sphere(1.0).expect("a ball");
     let cuboid = Geometry::cuboid(DVec3::ONE).expect("a box");
-    let rounded = Geometry::cuboid(DVec3::splat(0.5))
-        .and_then(|form| form.rounded(0.5))
-        .expect("a rounded box");
+    let rounded = Geometry::cuboid(DVec3::splat(0.5)).and_then(|form| form.rounded(0.5)).expect("a rounded box");
     for form in [&ball, &cuboid, &rounded] {
         let target = at(form, Pose::at(DVec3::new(5.0, 0.0, 0.0)));
         let from = |first: f64, last: f64, hollow: bool| Ray {
@@ -312,10 +244,7 @@ fn limits_are_kept_and_walls_come_in_order() {
         };
         let near = |touches: RayTouches, expected: f64| {
             let touch = touches.certain.expect("a hit");
-            assert!(
-                touches.undecided.is_none() && (touch.distance - expected).abs() < 1e-12,
-                "{touches:?}"
-            );
+            assert!(touches.undecided.is_none() && (touch.distance - expected).abs() < 1e-12, "{touches:?}");
             touch
         };
         let outside = near(cast(&from(0.0, 10.0, false), target), 4.0);
@@ -323,25 +252,14 @@ fn limits_are_kept_and_walls_come_in_order() {
         assert!(cast(&from(0.0, 3.9, false), target).certain.is_none());
         assert!(cast(&from(0.0, 3.9, false), target).undecided.is_none());
         let within_rounding = cast(&from(0.0, 4.0, true), target);
-        let verdict = within_rounding
-            .certain
-            .or(within_rounding.undecided)
-            .map(|touch| touch.certificate.verdict);
+        let verdict = within_rounding.certain.or(within_rounding.undecided).map(|touch| touch.certificate.verdict);
         assert!(verdict.is_some_and(|verdict| verdict != Verdict::Miss));
         let inside = near(cast(&from(4.5, 10.0, false), target), 4.5);
         assert!(inside.inside && inside.normal.is_none());
         let far_wall = near(cast(&from(4.5, 10.0, true), target), 6.0);
-        assert!(
-            far_wall
-                .normal
-                .is_some_and(|normal| (normal + DVec3::X).length() < 1e-9),
-            "towards the asker"
-        );
+        assert!(far_wall.normal.is_some_and(|normal| (normal + DVec3::X).length() < 1e-9), "towards the asker");
         assert!(cast(&from(4.5, 5.5, true), target).certain.is_none());
-        let behind = Ray {
-            direction: -DVec3::X,
-            ..from(0.0, 10.0, false)
-        };
+        let behind = Ray { direction: -DVec3::X, ..from(0.0, 10.0, false) };
         assert!(cast(&behind, target).certain.is_none() && cast(&behind, target).undecided.is_none());
     }
 }
@@ -354,10 +272,7 @@ fn sticks_and_points_are_never_surely_hit_nor_surely_missed_in_exact_incidence()
     for form in [&stick, &point, &line] {
         let through = cast(&ray(DVec3::new(-3.0, 0.0, 0.0), DVec3::X), at(form, Pose::IDENTITY));
         let open = through.undecided.expect("exact incidence");
-        assert!(
-            through.certain.is_none() && open.certificate.bound.contains(3.0),
-            "{open:?}"
-        );
+        assert!(through.certain.is_none() && open.certificate.bound.contains(3.0), "{open:?}");
         let beside = cast(&ray(DVec3::new(-3.0, 0.0, 1e-12), DVec3::X), at(form, Pose::IDENTITY));
         assert!(beside.certain.is_none() && beside.undecided.is_none());
     }
@@ -376,10 +291,7 @@ fn a_ray_in_the_plane_of_a_triangle_passes_it_and_hits_what_stands_there() {
     let mesh = Geometry::mesh(&vertices, &[[0, 1, 2], [3, 4, 5]]).expect("a mesh");
     let flat = cast(&ray(DVec3::new(-1.0, 0.25, 0.0), DVec3::X), at(&mesh, Pose::IDENTITY));
     let touch = flat.certain.expect("the second triangle");
-    assert_eq!(
-        (touch.distance, touch.feature.face, flat.undecided.is_none()),
-        (1.5, Some(1), true)
-    );
+    assert_eq!((touch.distance, touch.feature.face, flat.undecided.is_none()), (1.5, Some(1), true));
     let alone = Geometry::mesh(&vertices[..3], &[[0, 1, 2]]).expect("a mesh");
     let flat = cast(&ray(DVec3::new(-1.0, 0.25, 0.0), DVec3::X), at(&alone, Pose::IDENTITY));
     assert!(flat.certain.is_none() && flat.undecided.is_none());

@@ -4,11 +4,7 @@
 //! knows nothing of collision.
 
 /// The API, version 1.
-#[allow(
-    missing_docs,
-    clippy::all,
-    reason = "generated: the .proto files carry the documentation"
-)]
+#[allow(missing_docs, clippy::all, reason = "generated: the .proto files carry the documentation")]
 pub mod v1 {
     tonic::include_proto!("calipers.v1");
 

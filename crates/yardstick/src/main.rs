@@ -75,11 +75,7 @@ fn check(arguments: &CheckArguments) -> Result<u8, String> {
         bar.set_message(name.to_owned());
     };
     let mut tables = Vec::new();
-    let mut reporting = Reporting {
-        out: &mut tables,
-        progress: &mut progress,
-        examples_max: arguments.examples,
-    };
+    let mut reporting = Reporting { out: &mut tables, progress: &mut progress, examples_max: arguments.examples };
     let conclusion = check_folder(&arguments.dir, asker.as_mut(), &known, &mut reporting);
     let conclusion = conclusion.map_err(|error| error.to_string())?;
     bar.finish_and_clear();

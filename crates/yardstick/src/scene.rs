@@ -78,13 +78,7 @@ pub fn mixed(count: usize, seed: u64) -> Scene {
         .map(|form| {
             let mut coordinate = || random.uniform(-half_edge, half_edge);
             let position = DVec3::new(coordinate(), coordinate(), coordinate());
-            Placed {
-                form,
-                pose: Pose {
-                    position,
-                    rotation: random.rotation(),
-                },
-            }
+            Placed { form, pose: Pose { position, rotation: random.rotation() } }
         })
         .collect();
     Scene { shapes, half_edge }
@@ -94,17 +88,10 @@ fn form(random: &mut Random, index: usize) -> Form {
     match index % 4 {
         0 | 1 => {
             let mut edge = || random.uniform(0.1, 1.0);
-            Form::Cuboid {
-                half_extents: DVec3::new(edge(), edge(), edge()),
-            }
+            Form::Cuboid { half_extents: DVec3::new(edge(), edge(), edge()) }
         }
-        2 => Form::Sphere {
-            radius: random.uniform(0.1, 1.0),
-        },
-        _ => Form::Capsule {
-            half_height: random.uniform(0.1, 0.5),
-            radius: random.uniform(0.1, 0.5),
-        },
+        2 => Form::Sphere { radius: random.uniform(0.1, 1.0) },
+        _ => Form::Capsule { half_height: random.uniform(0.1, 0.5), radius: random.uniform(0.1, 0.5) },
     }
 }
 
@@ -133,12 +120,7 @@ mod tests {
         let filled: f64 = scene.shapes.iter().map(|shape| volume(&shape.form)).sum();
         let cube = (2.0 * scene.half_edge).powi(3);
         assert!((filled / cube - 0.05).abs() < 1e-12);
-        assert!(
-            scene
-                .shapes
-                .iter()
-                .all(|shape| shape.pose.position.abs().max_element() <= scene.half_edge)
-        );
+        assert!(scene.shapes.iter().all(|shape| shape.pose.position.abs().max_element() <= scene.half_edge));
     }
 
     #[test]

@@ -11,21 +11,13 @@ use tempfile::TempDir;
 /// A folder of small sets, all of them right: balls, unrotated boxes, rays at a cube, boxes that overlap.
 fn right_folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    write(
-        &folder,
-        "box_box.jsonl",
-        &(boxes(0, "apart", 0.5) + &boxes(1, "deep", -0.25)),
-    );
+    write(&folder, "box_box.jsonl", &(boxes(0, "apart", 0.5) + &boxes(1, "deep", -0.25)));
     write(&folder, "mixed.jsonl", &(balls(0, 0.75) + &balls(1, -1.5)));
     write(&folder, "toi.jsonl", &(flight(0, 3.0) + &flight(1, 0.5)));
     write(&folder, "mesh/cube.obj", CUBE);
     write(&folder, "rays_cube.jsonl", &(ray(0, 0.25) + &ray(1, 4.0)));
     let list = r#"{"two":{"boxes":2,"overlap_pairs":1,"pair_hash":"HASH"}}"#;
-    write(
-        &folder,
-        "aabb/expected.json",
-        &list.replace("HASH", &yardstick::sets::aabb::pair_hash(0, 1).to_string()),
-    );
+    write(&folder, "aabb/expected.json", &list.replace("HASH", &yardstick::sets::aabb::pair_hash(0, 1).to_string()));
     let corners: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0];
     let bytes: Vec<u8> = corners.iter().flat_map(|number| number.to_le_bytes()).collect();
     fs::write(folder.path().join("aabb/two.f32"), bytes).expect("written");
@@ -57,11 +49,7 @@ fn balls(index: u64, gap: f64) -> String {
 
 /// A ball that flies `way` towards another that is 1 away: it hits if it comes so far.
 fn flight(index: u64, way: f64) -> String {
-    let t = if way >= 1.0 {
-        format!("true,\"t\":{},\"rate\":{way}", 1.0 / way)
-    } else {
-        "false,\"t\":null".to_owned()
-    };
+    let t = if way >= 1.0 { format!("true,\"t\":{},\"rate\":{way}", 1.0 / way) } else { "false,\"t\":null".to_owned() };
     format!(
         "{{\"i\":{index},\"cat\":\"flight\",\
          \"a\":{{\"k\":\"sphere\",\"r\":1,\"p\":[0,0,0],\"q\":[0,0,0,1],\"v\":[{way},0,0]}},\
@@ -72,11 +60,7 @@ fn flight(index: u64, way: f64) -> String {
 
 /// A ray down at the cube from 2 above it; beside it at `x` above 1.
 fn ray(index: u64, x: f64) -> String {
-    let hit = if x < 1.0 {
-        "true,\"t\":0.5,\"ids\":[2],\"cos\":1"
-    } else {
-        "false,\"t\":null"
-    };
+    let hit = if x < 1.0 { "true,\"t\":0.5,\"ids\":[2],\"cos\":1" } else { "false,\"t\":null" };
     format!("{{\"i\":{index},\"cat\":\"down\",\"o\":[{x},-0.5,3],\"d\":[0,0,-4],\"hit\":{hit}}}\n")
 }
 
@@ -87,12 +71,7 @@ fn write(folder: &TempDir, name: &str, text: &str) {
 }
 
 fn check(folder: &Path, more: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_yardstick"))
-        .arg("check")
-        .arg(folder)
-        .args(more)
-        .output()
-        .expect("it runs")
+    Command::new(env!("CARGO_BIN_EXE_yardstick")).arg("check").arg(folder).args(more).output().expect("it runs")
 }
 
 fn text(output: &Output) -> String {
@@ -166,11 +145,7 @@ fn what_is_not_understood_is_exit_2() {
         ("rays_ball.jsonl", "{}\n", "mesh/ball.obj is missing"),
         ("mixed.jsonl", "{\"i\":0}\n", "mixed.jsonl:1: "),
         ("mixed.jsonl", &(balls(0, 0.75) + "not json\n"), "mixed.jsonl:2: "),
-        (
-            "mixed.jsonl",
-            &balls(0, 0.75).replace("sphere", "torus"),
-            "mixed.jsonl:1: a: `torus`",
-        ),
+        ("mixed.jsonl", &balls(0, 0.75).replace("sphere", "torus"), "mixed.jsonl:1: a: `torus`"),
         ("stream/x.csv", "frame\n", "x_expected.jsonl"),
         ("aabb/three.f32", "", "three.f32: "),
         ("mesh/cube.obj", "v 0 0 0\nf 1 2 3\n", "cube.obj:2: "),
@@ -179,12 +154,7 @@ fn what_is_not_understood_is_exit_2() {
         write(&folder, name, content);
         expect(&folder, &[], 2, part);
     }
-    expect(
-        &right_folder(),
-        &["--known", "no/such/file.toml"],
-        2,
-        "no/such/file.toml",
-    );
+    expect(&right_folder(), &["--known", "no/such/file.toml"], 2, "no/such/file.toml");
 }
 
 #[test]

@@ -45,9 +45,7 @@ impl Balls {
                 velocity: [speed * turn.cos(), speed * turn.sin()],
             }
         };
-        Self {
-            balls: rooms.map(ball).collect(),
-        }
+        Self { balls: rooms.map(ball).collect() }
     }
 
     pub(super) fn form() -> proto::Geometry {
@@ -70,14 +68,8 @@ impl Balls {
         };
         let mut batch = ask::batch(self.balls.iter().map(question));
         // Only the level is in their way: balls pass each other, and the ground is below the floor.
-        let filter = proto::Filter {
-            collides_with: Some(LAYER_LEVEL),
-            ..proto::Filter::default()
-        };
-        batch.options = Some(proto::QueryOptions {
-            filter: Some(filter),
-            ..proto::QueryOptions::default()
-        });
+        let filter = proto::Filter { collides_with: Some(LAYER_LEVEL), ..proto::Filter::default() };
+        batch.options = Some(proto::QueryOptions { filter: Some(filter), ..proto::QueryOptions::default() });
         let answers = client.batch(batch).await?.answers;
         for (ball, answer) in self.balls.iter_mut().zip(answers) {
             match answer.answer {
@@ -145,23 +137,9 @@ mod tests {
 
     #[test]
     fn a_ball_stops_short_of_what_it_touches() {
-        let mut ball = Ball {
-            at: [0.0, 0.0],
-            velocity: [2.0, 0.0],
-        };
-        let normal = Some(proto::Vec3 {
-            x: -1.0,
-            y: 0.0,
-            z: 0.0,
-        });
-        ball.go(
-            1.0,
-            Some(&proto::Impact {
-                fraction: Some(0.5),
-                normal,
-                ..proto::Impact::default()
-            }),
-        );
+        let mut ball = Ball { at: [0.0, 0.0], velocity: [2.0, 0.0] };
+        let normal = Some(proto::Vec3 { x: -1.0, y: 0.0, z: 0.0 });
+        ball.go(1.0, Some(&proto::Impact { fraction: Some(0.5), normal, ..proto::Impact::default() }));
         assert_eq!((ball.at, ball.velocity), ([1.0 - GAP, 0.0], [-2.0, 0.0]));
     }
 }

@@ -87,9 +87,7 @@ impl FloorPlan {
     /// A plan in which every room can be reached: the second row is open from end to end, every room is open to the
     /// south, and of the other walls two in three have a doorway.
     pub(super) fn new(dice: &mut Dice) -> Self {
-        let doorways = Room::all()
-            .map(|room| [room.row == 1 || dice.below(3) < 2, true])
-            .collect();
+        let doorways = Room::all().map(|room| [room.row == 1 || dice.below(3) < 2, true]).collect();
         Self { doorways }
     }
 
@@ -107,10 +105,7 @@ impl FloorPlan {
 
     /// The directions in which a doorway leads out of a room; at least one.
     pub(super) fn ways(&self, room: Room) -> Vec<Heading> {
-        Heading::ALL
-            .into_iter()
-            .filter(|heading| self.is_open(room, *heading))
-            .collect()
+        Heading::ALL.into_iter().filter(|heading| self.is_open(room, *heading)).collect()
     }
 }
 

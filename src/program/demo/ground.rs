@@ -18,9 +18,7 @@ pub(super) struct Slopes {
 
 impl Slopes {
     pub(super) fn new(dice: &mut Dice) -> Self {
-        Self {
-            phases: std::array::from_fn(|_| dice.between(0.0, TAU)),
-        }
+        Self { phases: std::array::from_fn(|_| dice.between(0.0, TAU)) }
     }
 
     /// Below the floor the ground is 0.6 m down; outside it rises and falls by 3 m at most.
@@ -50,10 +48,7 @@ impl Slopes {
             (0..cell_count[0]).flat_map(move |column| {
                 let corner = row * stride + column;
                 // Counter-clockwise seen from above, so that the upper side is the outer one.
-                [
-                    [corner, corner + stride, corner + 1],
-                    [corner + 1, corner + stride, corner + stride + 1],
-                ]
+                [[corner, corner + stride, corner + 1], [corner + 1, corner + stride, corner + stride + 1]]
             })
         });
         geometry::mesh(vertices, triangles)
@@ -73,10 +68,7 @@ mod tests {
                     let (x, z) = (f64::from(x), f64::from(z));
                     let height = slopes.height(x, z);
                     let is_below_floor = x.abs() <= FLOOR_HALF[0] && z.abs() <= FLOOR_HALF[1];
-                    assert!(
-                        height.abs() <= 3.0 && (!is_below_floor || height < -0.5),
-                        "{height} at {x}, {z}"
-                    );
+                    assert!(height.abs() <= 3.0 && (!is_below_floor || height < -0.5), "{height} at {x}, {z}");
                 }
             }
         }
@@ -87,10 +79,7 @@ mod tests {
         let Some(proto::geometry::Kind::Mesh(mesh)) = Slopes::new(&mut Dice::new(1)).mesh().kind else {
             panic!("the ground is a mesh");
         };
-        assert_eq!(
-            (mesh.vertices.len() / 3, mesh.indices.len() / 3),
-            (91 * 71, 2 * 90 * 70)
-        );
+        assert_eq!((mesh.vertices.len() / 3, mesh.indices.len() / 3), (91 * 71, 2 * 90 * 70));
         assert_eq!(mesh.indices.iter().max().copied(), Some(91 * 71 - 1));
     }
 }

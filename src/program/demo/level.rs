@@ -84,18 +84,11 @@ pub(super) async fn make(client: &Client, plan: &FloorPlan, dice: &mut Dice) -> 
     for _ in 0..4 {
         rocks.push(client.register(rock(dice)).await?.geometry_id);
     }
-    let mut site = Site {
-        forms: Forms { column, rocks },
-        edits: Vec::new(),
-        next: [WALLS, STEPS, COLUMN_IDS, FURNITURE],
-    };
-    let ground = shape::of(GROUND, geometry::registered(ground))
-        .layers(LAYER_GROUND, LAYERS_ALL)
-        .fixed();
+    let mut site =
+        Site { forms: Forms { column, rocks }, edits: Vec::new(), next: [WALLS, STEPS, COLUMN_IDS, FURNITURE] };
+    let ground = shape::of(GROUND, geometry::registered(ground)).layers(LAYER_GROUND, LAYERS_ALL).fixed();
     site.edits.push(ground.insert());
-    let floor = shape::cuboid(FLOOR, [FLOOR_HALF[0], 0.25, FLOOR_HALF[1]])
-        .at([0.0, -0.25, 0.0])
-        .fixed();
+    let floor = shape::cuboid(FLOOR, [FLOOR_HALF[0], 0.25, FLOOR_HALF[1]]).at([0.0, -0.25, 0.0]).fixed();
     site.edits.push(floor.insert());
     for room in Room::all() {
         site.walls(plan, room);
@@ -108,14 +101,7 @@ pub(super) async fn make(client: &Client, plan: &FloorPlan, dice: &mut Dice) -> 
 impl Site {
     fn put(&mut self, series: Series, form: proto::Geometry, at: [f64; 3], rotation: [f64; 4]) {
         let id = &mut self.next[series as usize];
-        self.edits.push(
-            shape::of(*id, form)
-                .at(at)
-                .rotated(rotation)
-                .layers(LAYER_LEVEL, LAYERS_ALL)
-                .fixed()
-                .insert(),
-        );
+        self.edits.push(shape::of(*id, form).at(at).rotated(rotation).layers(LAYER_LEVEL, LAYERS_ALL).fixed().insert());
         *id += 1;
     }
 
@@ -184,12 +170,7 @@ impl Site {
             let quarter = [x + sign_x * QUARTER, z + sign_z * QUARTER];
             if has_columns {
                 let column = geometry::registered(self.forms.column.as_str());
-                self.put(
-                    Series::Columns,
-                    column,
-                    [quarter[0], 0.5 * WALL_HEIGHT, quarter[1]],
-                    UNTURNED,
-                );
+                self.put(Series::Columns, column, [quarter[0], 0.5 * WALL_HEIGHT, quarter[1]], UNTURNED);
                 continue;
             }
             match dice.below(8) {
@@ -212,12 +193,7 @@ impl Site {
 
     /// A slab that rises to the east by 20 degrees; its lower edge is in the floor.
     fn ramp(&mut self, [x, z]: [f64; 2]) {
-        self.put(
-            Series::Steps,
-            geometry::cuboid([1.4, 0.1, 0.7]),
-            [x, 0.45, z],
-            about_z(20_f64.to_radians()),
-        );
+        self.put(Series::Steps, geometry::cuboid([1.4, 0.1, 0.7]), [x, 0.45, z], about_z(20_f64.to_radians()));
     }
 
     fn furniture(&mut self, [x, z]: [f64; 2], dice: &mut Dice) {
@@ -254,12 +230,7 @@ impl Site {
             let [x, z] = [FLOOR_HALF[0] * out * east, FLOOR_HALF[1] * out * south];
             let mut rock = geometry::registered(self.forms.rocks[dice.below(self.forms.rocks.len())].as_str());
             rock.scale = Some(dice.between(0.6, 2.5));
-            self.put(
-                Series::Furniture,
-                rock,
-                [x, slopes.height(x, z), z],
-                about_y(dice.between(0.0, TAU)),
-            );
+            self.put(Series::Furniture, rock, [x, slopes.height(x, z), z], about_y(dice.between(0.0, TAU)));
         }
     }
 }

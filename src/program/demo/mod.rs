@@ -55,10 +55,7 @@ pub(crate) async fn start(running: &Running, settings: &Settings, seed: u64) -> 
     let mut client = Client::from_channel(running.connect_in_process()).with_deadline(DEADLINE);
     let mut key = None;
     if !settings.has_default_session() {
-        let request = proto::CreateSessionRequest {
-            session: SESSION.to_owned(),
-            ..Default::default()
-        };
+        let request = proto::CreateSessionRequest { session: SESSION.to_owned(), ..Default::default() };
         let made = client.create_session(request).await?;
         client = client.with_session(SESSION).with_token(&made.token)?;
         key = Some((SESSION.to_owned(), made.token));
@@ -74,39 +71,20 @@ pub(crate) async fn start(running: &Running, settings: &Settings, seed: u64) -> 
     writer.commit(fixed.into_iter().chain(moving)).await?;
     writer.flush().await?;
     if let Some(problem) = writer.take_report().problems.first() {
-        return Err(Failure::new(format!(
-            "the server refused a part of the demo: {}",
-            problem.message
-        )));
+        return Err(Failure::new(format!("the server refused a part of the demo: {}", problem.message)));
     }
     let (stop, stopped) = watch::channel(false);
     let task = tokio::spawn(run(client, writer, movers, stopped));
-    Ok(Demo {
-        mover_count,
-        level_count,
-        key,
-        stop,
-        task,
-    })
+    Ok(Demo { mover_count, level_count, key, stop, task })
 }
 
 impl Demo {
     /// What there is to see, and lines that can be pasted. The ray hits whatever happens: a floor is below it.
     pub(crate) fn about(&self, address: SocketAddr) -> String {
-        let header = self
-            .key
-            .as_ref()
-            .map(|(_, token)| format!(" -H 'authorization: Bearer {token}'"));
+        let header = self.key.as_ref().map(|(_, token)| format!(" -H 'authorization: Bearer {token}'"));
         let header = header.unwrap_or_default();
-        let session = self
-            .key
-            .as_ref()
-            .map(|(session, _)| format!(r#""session":"{session}","#))
-            .unwrap_or_default();
-        let flags = self
-            .key
-            .as_ref()
-            .map(|(session, token)| format!(" --session {session} --token {token}"));
+        let session = self.key.as_ref().map(|(session, _)| format!(r#""session":"{session}","#)).unwrap_or_default();
+        let flags = self.key.as_ref().map(|(session, token)| format!(" --session {session} --token {token}"));
         let flags = flags.unwrap_or_default();
         let ray = format!(r#"{{{session}"origin":{{"x":5,"y":20,"z":5}},"direction":{{"y":-1}}}}"#);
         format!(

@@ -54,29 +54,16 @@ type Place = ([f64; 3], [f64; 4]);
 impl Movers {
     pub(super) fn new(plan: &FloorPlan, dice: &mut Dice) -> Self {
         let rooms: Vec<Room> = Room::all().collect();
-        let walkers = (0..WALKER_COUNT)
-            .map(|index| Walker::new(plan, rooms[index % rooms.len()], dice))
-            .collect();
+        let walkers = (0..WALKER_COUNT).map(|index| Walker::new(plan, rooms[index % rooms.len()], dice)).collect();
         let balls = Balls::new((0..BALL_COUNT).map(|index| rooms[index % rooms.len()]), dice);
         let drones = (0..DRONE_COUNT).map(|_| Drone::new(dice)).collect();
-        Self {
-            plan: plan.clone(),
-            dice: dice.clone(),
-            walkers,
-            balls,
-            drones,
-            time: 0.0,
-        }
+        Self { plan: plan.clone(), dice: dice.clone(), walkers, balls, drones, time: 0.0 }
     }
 
     /// The edits that put everything where it begins.
     pub(super) fn inserts(&self) -> Vec<proto::Edit> {
         let insert = |(id, (at, rotation)): (u64, Place)| {
-            shape::of(id, form(id))
-                .at(at)
-                .rotated(rotation)
-                .layers(LAYER_MOVING, LAYERS_ALL)
-                .insert()
+            shape::of(id, form(id)).at(at).rotated(rotation).layers(LAYER_MOVING, LAYERS_ALL).insert()
         };
         self.places().map(insert).collect()
     }
@@ -91,10 +78,7 @@ impl Movers {
             walker.step(&self.plan, &mut self.dice, seconds);
         }
         self.balls.step(client, seconds).await?;
-        Ok(self
-            .places()
-            .map(|(id, (at, rotation))| edit::move_and_turn(id, at, rotation))
-            .collect())
+        Ok(self.places().map(|(id, (at, rotation))| edit::move_and_turn(id, at, rotation)).collect())
     }
 
     /// Where everything is.
@@ -155,10 +139,7 @@ fn on_circuit(share: f64) -> ([f64; 2], f64) {
         let turn = left.min(arc) / CIRCUIT_CORNER;
         let turned = angle - turn;
         let shift = |of: f64, to: f64| CIRCUIT_CORNER * (of - to);
-        at = [
-            at[0] + shift(angle.sin(), turned.sin()),
-            at[1] + shift(angle.cos(), turned.cos()),
-        ];
+        at = [at[0] + shift(angle.sin(), turned.sin()), at[1] + shift(angle.cos(), turned.cos())];
         left -= turn * CIRCUIT_CORNER;
         angle = turned;
         if left <= 0.0 {
@@ -174,11 +155,7 @@ impl Drone {
         let out = dice.between(0.85, 1.15);
         let fast = dice.pick(&[-1.0, 1.0]);
         Self {
-            middle: [
-                62.0 * out * turn.cos(),
-                dice.between(6.0, 14.0),
-                50.0 * out * turn.sin(),
-            ],
+            middle: [62.0 * out * turn.cos(), dice.between(6.0, 14.0), 50.0 * out * turn.sin()],
             radius: dice.between(2.0, 6.0),
             turn_rate: fast * dice.between(0.3, 1.2),
             spin_rate: dice.between(-3.0, 3.0),
@@ -189,11 +166,7 @@ impl Drone {
     fn place(&self, time: f64) -> Place {
         let turn = self.phase + self.turn_rate * time;
         let [x, y, z] = self.middle;
-        let at = [
-            x + self.radius * turn.cos(),
-            y + 0.5 * (0.7 * turn).sin(),
-            z + self.radius * turn.sin(),
-        ];
+        let at = [x + self.radius * turn.cos(), y + 0.5 * (0.7 * turn).sin(), z + self.radius * turn.sin()];
         (at, about_y((self.spin_rate * time) % TAU))
     }
 }

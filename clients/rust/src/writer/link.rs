@@ -70,13 +70,7 @@ impl Link {
         queue: mpsc::Receiver<proto::EditStreamRequest>,
         report: Arc<Mutex<Report>>,
     ) -> Result<(Self, watch::Receiver<Progress>, Stream), Error> {
-        let start = Progress {
-            acked_sequence: 0,
-            tick: 0,
-            window: 1,
-            resumed_count: 0,
-            end: None,
-        };
+        let start = Progress { acked_sequence: 0, tick: 0, window: 1, resumed_count: 0, end: None };
         let (progress, seen) = watch::channel(start);
         let mut link = Self {
             client,
@@ -125,26 +119,14 @@ impl Link {
         };
         outgoing.send(hello).await.map_err(|_| Error::Closed)?;
         let opening = async {
-            let mut incoming = self
-                .client
-                .world()
-                .edit_stream(ReceiverStream::new(messages))
-                .await?
-                .into_inner();
+            let mut incoming = self.client.world().edit_stream(ReceiverStream::new(messages)).await?.into_inner();
             let first = incoming.message().await?;
             let first = first.ok_or_else(|| Status::unavailable("the server ended the stream at once"))?;
             Ok::<_, Error>((incoming, first))
         };
         let late = |_| Status::unavailable("the server did not answer an opened edit stream within 10 s");
         let (incoming, first) = timeout(OPEN_WAIT, opening).await.map_err(late)??;
-        Ok((
-            Stream {
-                outgoing,
-                incoming,
-                sent_count: 0,
-            },
-            first,
-        ))
+        Ok((Stream { outgoing, incoming, sent_count: 0 }, first))
     }
 
     /// Connects again after a break, with pauses, and finds out what has to be sent again.
@@ -158,10 +140,7 @@ impl Link {
             }
             let waited = stuck_since.elapsed();
             if waited + pause > self.options.patience {
-                return Err(Error::GaveUp {
-                    waited,
-                    last: Box::new(last),
-                });
+                return Err(Error::GaveUp { waited, last: Box::new(last) });
             }
             sleep(pause).await;
             pause = (pause * 2).min(PAUSE_MAX);
@@ -188,10 +167,7 @@ impl Link {
             return Err(Error::Forgotten { known, acked });
         }
         if known > self.last_sequence {
-            let message = format!(
-                "message {known} of writer {:?} was sent by another client of that name",
-                self.name
-            );
+            let message = format!("message {known} of writer {:?} was sent by another client of that name", self.name);
             return Err(Status::aborted(message).into());
         }
         Ok(())
@@ -230,9 +206,7 @@ impl Link {
 
     /// Ends the stream in good order: what was sent arrives before the connection may go.
     async fn finish(mut self, stream: Stream) {
-        let Stream {
-            outgoing, mut incoming, ..
-        } = stream;
+        let Stream { outgoing, mut incoming, .. } = stream;
         drop(outgoing);
         let drain = async {
             while let Ok(Some(response)) = incoming.message().await {
@@ -247,11 +221,7 @@ impl Link {
     fn note(&mut self, response: proto::EditStreamResponse) -> usize {
         let acked_sequence = response.acked_sequence;
         let before = self.kept.len();
-        while self
-            .kept
-            .front()
-            .is_some_and(|message| message.sequence <= acked_sequence)
-        {
+        while self.kept.front().is_some_and(|message| message.sequence <= acked_sequence) {
             self.kept.pop_front();
         }
         let dropped_count = before - self.kept.len();
@@ -294,8 +264,5 @@ async fn reason_of_end(incoming: &mut Streaming<proto::EditStreamResponse>) -> E
             }
         }
     };
-    timeout(CLOSE_WAIT, end)
-        .await
-        .unwrap_or_else(|_| Status::unavailable("the edit stream broke"))
-        .into()
+    timeout(CLOSE_WAIT, end).await.unwrap_or_else(|_| Status::unavailable("the edit stream broke")).into()
 }

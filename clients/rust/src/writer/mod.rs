@@ -31,10 +31,7 @@ pub struct WriterOptions {
 
 impl Default for WriterOptions {
     fn default() -> Self {
-        Self {
-            durability: proto::Durability::Unspecified,
-            patience: Duration::from_secs(30),
-        }
+        Self { durability: proto::Durability::Unspecified, patience: Duration::from_secs(30) }
     }
 }
 
@@ -105,13 +102,7 @@ impl EditWriter {
         let (link, progress, stream) = Link::open(client.clone(), name, options, queue, Arc::clone(&report)).await?;
         let sequence = progress.borrow().acked_sequence;
         tokio::spawn(link.run(stream));
-        Ok(Self {
-            messages,
-            progress,
-            report,
-            sequence,
-            committed_sequence: sequence,
-        })
+        Ok(Self { messages, progress, report, sequence, committed_sequence: sequence })
     }
 
     /// Adds edits, at most 65,536, to the tick that is open, and returns the message's sequence number. Waits while the
@@ -122,11 +113,7 @@ impl EditWriter {
     /// [`Error::WindowFull`] if the window holds nothing but messages of this open tick; otherwise the error that ended
     /// the stream.
     pub async fn send(&mut self, edits: impl IntoIterator<Item = proto::Edit>) -> Result<u64, Error> {
-        self.push(proto::EditStreamRequest {
-            edits: edits.into_iter().collect(),
-            ..Default::default()
-        })
-        .await
+        self.push(proto::EditStreamRequest { edits: edits.into_iter().collect(), ..Default::default() }).await
     }
 
     /// Adds edits, possibly none, and ends the tick: everything since the last commit is seen at once. Returns the
@@ -137,12 +124,7 @@ impl EditWriter {
     /// As [`send`](Self::send).
     pub async fn commit(&mut self, edits: impl IntoIterator<Item = proto::Edit>) -> Result<u64, Error> {
         let edits = edits.into_iter().collect();
-        self.push(proto::EditStreamRequest {
-            edits,
-            commit: true,
-            ..Default::default()
-        })
-        .await
+        self.push(proto::EditStreamRequest { edits, commit: true, ..Default::default() }).await
     }
 
     /// Waits until everything sent is in the world, and returns the tick that holds it; 0 if nothing was ever sent. A
@@ -194,13 +176,9 @@ impl EditWriter {
         let sequence = self.sequence + 1;
         let committed_sequence = self.committed_sequence;
         let fits = |progress: &Progress| sequence - progress.acked_sequence <= u64::from(progress.window);
-        let progress = self
-            .reached(|now| fits(now) || now.acked_sequence >= committed_sequence)
-            .await?;
+        let progress = self.reached(|now| fits(now) || now.acked_sequence >= committed_sequence).await?;
         if !fits(&progress) {
-            return Err(Error::WindowFull {
-                window: progress.window,
-            });
+            return Err(Error::WindowFull { window: progress.window });
         }
         // Room is reserved before anything is numbered: a caller that drops this future leaves no gap behind.
         let Ok(room) = self.messages.reserve().await else {

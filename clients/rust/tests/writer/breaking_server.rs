@@ -53,22 +53,12 @@ impl BreakingServer {
             ..State::default()
         }));
         let (interrupt, interrupted) = watch::channel(0);
-        let service = Breaking {
-            state: Arc::clone(&state),
-            interrupt: interrupted,
-        };
+        let service = Breaking { state: Arc::clone(&state), interrupt: interrupted };
         let incoming = TcpIncoming::bind("127.0.0.1:0".parse().expect("an address")).expect("a free port");
         let address = incoming.local_addr().expect("a bound address");
-        let server = Server::builder()
-            .add_service(WorldServiceServer::new(service))
-            .serve_with_incoming(incoming);
+        let server = Server::builder().add_service(WorldServiceServer::new(service)).serve_with_incoming(incoming);
         let task = tokio::spawn(async move { server.await.expect("the server runs") });
-        Self {
-            address,
-            state,
-            interrupt,
-            task,
-        }
+        Self { address, state, interrupt, task }
     }
 
     pub(crate) fn address(&self) -> String {
@@ -174,10 +164,7 @@ impl Breaking {
             return Ok(None);
         }
         if message.sequence != *sequence + 1 {
-            return Err(Status::aborted(format!(
-                "SEQUENCE_GAP: {} after {sequence}",
-                message.sequence
-            )));
+            return Err(Status::aborted(format!("SEQUENCE_GAP: {} after {sequence}", message.sequence)));
         }
         *sequence = message.sequence;
         state.most_unacknowledged = state.most_unacknowledged.max(*sequence - state.acked_sequence);
@@ -190,11 +177,7 @@ impl Breaking {
         open_tick.retain(|edit| !is_wrong(edit));
         state.ticks.push(std::mem::take(open_tick));
         state.acked_sequence = *sequence;
-        let problem = proto::Problem {
-            sequence: *sequence,
-            reason: "OUT_OF_LIMITS".to_owned(),
-            ..Default::default()
-        };
+        let problem = proto::Problem { sequence: *sequence, reason: "OUT_OF_LIMITS".to_owned(), ..Default::default() };
         Ok(Some(answer(&state, vec![problem; wrong_count])))
     }
 }

@@ -52,13 +52,7 @@ struct Node {
 
 impl Default for Node {
     fn default() -> Self {
-        Self {
-            bounds: Aabb::new(DVec3::ZERO, DVec3::ZERO),
-            parent: NONE,
-            left: NONE,
-            right: NONE,
-            height: 0,
-        }
+        Self { bounds: Aabb::new(DVec3::ZERO, DVec3::ZERO), parent: NONE, left: NONE, right: NONE, height: 0 }
     }
 }
 
@@ -81,12 +75,7 @@ pub enum Refit {
 
 impl Default for DynamicTree {
     fn default() -> Self {
-        Self {
-            nodes: Pages::default(),
-            root: NONE,
-            free: NONE,
-            leaf_count: 0,
-        }
+        Self { nodes: Pages::default(), root: NONE, free: NONE, leaf_count: 0 }
     }
 }
 
@@ -106,11 +95,7 @@ impl DynamicTree {
     /// Levels, the root's being the first; 0 for an empty tree.
     #[must_use]
     pub fn depth(&self) -> u32 {
-        if self.root == NONE {
-            0
-        } else {
-            self.node(self.root).height + 1
-        }
+        if self.root == NONE { 0 } else { self.node(self.root).height + 1 }
     }
 
     /// Puts in `leaf` with a box that is larger than `bounds` by `margin` metres on each side. The node that is
@@ -120,11 +105,7 @@ impl DynamicTree {
     /// If there are 2³¹ leaves.
     pub fn insert(&mut self, leaf: u32, bounds: Aabb, margin: f64) -> NodeIndex {
         assert!(self.leaf_count < 1 << 31, "fewer than 2^31 leaves");
-        let node = self.allocate(Node {
-            bounds: bounds.inflated(margin),
-            right: leaf,
-            ..Node::default()
-        });
+        let node = self.allocate(Node { bounds: bounds.inflated(margin), right: leaf, ..Node::default() });
         self.leaf_count += 1;
         self.link(node);
         NodeIndex(node)
@@ -204,10 +185,7 @@ impl DynamicTree {
     }
 
     fn release(&mut self, index: u32) {
-        self.nodes[index as usize] = Node {
-            parent: self.free,
-            ..Node::default()
-        };
+        self.nodes[index as usize] = Node { parent: self.free, ..Node::default() };
         self.free = index;
     }
 
@@ -294,11 +272,7 @@ impl DynamicTree {
             // Equal boxes must not make a chain: among equals the lower child is taken.
             let is_left = lower_left < lower_right
                 || (lower_left <= lower_right && self.height(node.left) <= self.height(node.right));
-            (index, area_with_box) = if is_left {
-                (node.left, area_left)
-            } else {
-                (node.right, area_right)
-            };
+            (index, area_with_box) = if is_left { (node.left, area_left) } else { (node.right, area_right) };
         }
     }
 
@@ -311,10 +285,7 @@ impl DynamicTree {
         }
         // Beside a node below, the new parent holds the box at least, and this node grows.
         let growth = area_with_box - node.bounds.half_area();
-        (
-            (growth_above + growth + bounds.half_area()).min(growth_above + area_with_box),
-            area_with_box,
-        )
+        ((growth_above + growth + bounds.half_area()).min(growth_above + area_with_box), area_with_box)
     }
 }
 
@@ -329,9 +300,6 @@ impl Tree for DynamicTree {
             return Expanded::Leaves(std::slice::from_ref(&node.right));
         }
         let (left, right) = (node.left, node.right);
-        Expanded::Children([
-            (NodeIndex(left), &self.node(left).bounds),
-            (NodeIndex(right), &self.node(right).bounds),
-        ])
+        Expanded::Children([(NodeIndex(left), &self.node(left).bounds), (NodeIndex(right), &self.node(right).bounds)])
     }
 }

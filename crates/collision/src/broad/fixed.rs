@@ -60,11 +60,7 @@ impl StaticTree {
         };
         builder.run();
         builder.nodes.shrink_to_fit();
-        Self {
-            nodes: builder.nodes,
-            leaves: builder.leaves,
-            depth: builder.depth,
-        }
+        Self { nodes: builder.nodes, leaves: builder.leaves, depth: builder.depth }
     }
 
     /// How many boxes it was built from.
@@ -89,10 +85,7 @@ impl StaticTree {
     /// them. Compares with [`super::DynamicTree::area_sum`].
     #[must_use]
     pub fn area_sum(&self) -> f64 {
-        self.nodes
-            .iter()
-            .map(|node| node.bounds.half_area() * f64::from(1 + node.count))
-            .sum()
+        self.nodes.iter().map(|node| node.bounds.half_area() * f64::from(1 + node.count)).sum()
     }
 
     /// Bytes it holds in memory.
@@ -154,20 +147,9 @@ const NOTHING: Aabb = Aabb::new(DVec3::INFINITY, DVec3::NEG_INFINITY);
 
 impl Builder<'_> {
     fn run(&mut self) {
-        let mut pending = vec![Pending {
-            node: 0,
-            begin: 0,
-            end: self.leaves.len(),
-            level: 1,
-        }];
+        let mut pending = vec![Pending { node: 0, begin: 0, end: self.leaves.len(), level: 1 }];
         self.nodes.push(self.leaf(0, self.leaves.len()));
-        while let Some(Pending {
-            node,
-            begin,
-            end,
-            level,
-        }) = pending.pop()
-        {
+        while let Some(Pending { node, begin, end, level }) = pending.pop() {
             self.depth = self.depth.max(level);
             if end - begin <= LEAF_MAX {
                 continue;
@@ -179,50 +161,30 @@ impl Builder<'_> {
             self.nodes[node].first = index(first);
             self.nodes[node].count = 0;
             let level = level + 1;
-            pending.push(Pending {
-                node: first,
-                begin,
-                end: middle,
-                level,
-            });
-            pending.push(Pending {
-                node: first + 1,
-                begin: middle,
-                end,
-                level,
-            });
+            pending.push(Pending { node: first, begin, end: middle, level });
+            pending.push(Pending { node: first + 1, begin: middle, end, level });
         }
     }
 
     fn leaf(&self, begin: usize, end: usize) -> Node {
         let boxes = self.leaves[begin..end].iter().map(|&leaf| self.boxes[leaf as usize]);
-        Node {
-            bounds: boxes.fold(NOTHING, Aabb::union),
-            first: index(begin),
-            count: index(end - begin),
-        }
+        Node { bounds: boxes.fold(NOTHING, Aabb::union), first: index(begin), count: index(end - begin) }
     }
 
     /// Reorders a range of leaves and says where its right part begins; neither part is empty.
     fn split(&mut self, begin: usize, end: usize, level: u32) -> usize {
         let range = &mut self.leaves[begin..end];
         let centers = &self.centers;
-        let (low, high) = range
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &leaf| {
-                let center = centers[leaf as usize];
-                (low.min(center), high.max(center))
-            });
+        let (low, high) = range.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &leaf| {
+            let center = centers[leaf as usize];
+            (low.min(center), high.max(center))
+        });
         let half = range.len() / 2;
         let extent = high - low;
         if extent.max_element() <= 0.0 {
             return begin + half;
         }
-        let cut = if level < DEPTH_OF_HALVING {
-            best_cut(range, self.boxes, centers, low, extent)
-        } else {
-            None
-        };
+        let cut = if level < DEPTH_OF_HALVING { best_cut(range, self.boxes, centers, low, extent) } else { None };
         let Some(cut) = cut else {
             let axis = extent.max_position();
             range.select_nth_unstable_by(half, |&a, &b| {
@@ -247,31 +209,19 @@ fn best_cut(range: &[u32], boxes: &[Aabb], centers: &[DVec3], low: DVec3, extent
         if extent[axis] <= 0.0 {
             continue;
         }
-        let mut bins = [Bin {
-            bounds: NOTHING,
-            count: 0,
-        }; BINS];
+        let mut bins = [Bin { bounds: NOTHING, count: 0 }; BINS];
         for &leaf in range {
             let bin = &mut bins[bin_of(centers[leaf as usize][axis] - low[axis], extent[axis])];
             bin.bounds = bin.bounds.union(boxes[leaf as usize]);
             bin.count += 1;
         }
-        let mut right = [Bin {
-            bounds: NOTHING,
-            count: 0,
-        }; BINS];
-        let mut sum = Bin {
-            bounds: NOTHING,
-            count: 0,
-        };
+        let mut right = [Bin { bounds: NOTHING, count: 0 }; BINS];
+        let mut sum = Bin { bounds: NOTHING, count: 0 };
         for position in (1..BINS).rev() {
             sum = merge(sum, bins[position]);
             right[position - 1] = sum;
         }
-        let mut left = Bin {
-            bounds: NOTHING,
-            count: 0,
-        };
+        let mut left = Bin { bounds: NOTHING, count: 0 };
         for last_left_bin in 0..BINS - 1 {
             left = merge(left, bins[last_left_bin]);
             let right = right[last_left_bin];
@@ -292,10 +242,7 @@ fn best_cut(range: &[u32], boxes: &[Aabb], centers: &[DVec3], low: DVec3, extent
 }
 
 fn merge(a: Bin, b: Bin) -> Bin {
-    Bin {
-        bounds: a.bounds.union(b.bounds),
-        count: a.count + b.count,
-    }
+    Bin { bounds: a.bounds.union(b.bounds), count: a.count + b.count }
 }
 
 /// The bin of a centre that lies `offset` after the first of centres that extend over `extent`. Monotone in `offset`,

@@ -261,10 +261,7 @@ struct Open {
 
 impl Ord for Open {
     fn cmp(&self, other: &Self) -> Ordering {
-        other
-            .distance
-            .total_cmp(&self.distance)
-            .then_with(|| other.node.cmp(&self.node))
+        other.distance.total_cmp(&self.distance).then_with(|| other.node.cmp(&self.node))
     }
 }
 
@@ -287,11 +284,7 @@ impl Eq for Open {}
 #[must_use]
 pub fn distance_at_least(a: Aabb, b: Aabb) -> f64 {
     let distance_sq = a.distance_sq(b);
-    if distance_sq > tolerance::SQUARE_MIN {
-        distance_sq.sqrt() * tolerance::SLAB_NARROWING
-    } else {
-        0.0
-    }
+    if distance_sq > tolerance::SQUARE_MIN { distance_sq.sqrt() * tolerance::SLAB_NARROWING } else { 0.0 }
 }
 
 /// The one best-first loop.
@@ -306,10 +299,7 @@ fn best_first<T: Toll>(
         return Ok(());
     };
     let mut open = BinaryHeap::new();
-    open.push(Open {
-        distance: distance_at_least(query, *bounds),
-        node: root,
-    });
+    open.push(Open { distance: distance_at_least(query, *bounds), node: root });
     while let Some(Open { distance, node }) = open.pop() {
         if distance > limit {
             return Ok(());

@@ -21,10 +21,7 @@ impl Aabb {
     /// The smallest box around both.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// Whether they have a point in common; touching counts.
@@ -42,10 +39,7 @@ impl Aabb {
     /// Larger by `margin` on each side.
     #[must_use]
     pub fn inflated(self, margin: f64) -> Self {
-        Self {
-            min: self.min - margin,
-            max: self.max + margin,
-        }
+        Self { min: self.min - margin, max: self.max + margin }
     }
 
     /// The middle, free of overflow.

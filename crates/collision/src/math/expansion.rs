@@ -67,17 +67,13 @@ impl Expansion {
     /// The negative.
     #[must_use]
     pub fn negated(&self) -> Self {
-        Self {
-            terms: self.terms.iter().map(|term| -term).collect(),
-        }
+        Self { terms: self.terms.iter().map(|term| -term).collect() }
     }
 
     /// Its sign, as compared with 0.
     #[must_use]
     pub fn sign(&self) -> Ordering {
-        self.terms
-            .last()
-            .map_or(Ordering::Equal, |largest| largest.total_cmp(&0.0))
+        self.terms.last().map_or(Ordering::Equal, |largest| largest.total_cmp(&0.0))
     }
 
     /// The nearest f64, to within an ulp or two.
@@ -95,11 +91,7 @@ impl ExactVector {
     /// Exactly `a - b`.
     #[must_use]
     pub fn difference(a: DVec3, b: DVec3) -> Self {
-        Self([
-            Expansion::difference(a.x, b.x),
-            Expansion::difference(a.y, b.y),
-            Expansion::difference(a.z, b.z),
-        ])
+        Self([Expansion::difference(a.x, b.x), Expansion::difference(a.y, b.y), Expansion::difference(a.z, b.z)])
     }
 
     /// Exactly `self × other`.
@@ -134,10 +126,7 @@ impl ExactVector {
     /// [`tolerance::EXACT_PART_MIN`].
     #[must_use]
     pub fn is_in_range(&self) -> bool {
-        self.0
-            .iter()
-            .flat_map(|component| &component.terms)
-            .all(|&term| is_size(term))
+        self.0.iter().flat_map(|component| &component.terms).all(|&term| is_size(term))
     }
 }
 
@@ -145,10 +134,7 @@ impl ExactVector {
 /// of [`tolerance::EXACT_PART_MIN`].
 #[must_use]
 pub fn is_in_range(vector: DVec3) -> bool {
-    vector
-        .to_array()
-        .into_iter()
-        .all(|value| value == 0.0 || is_size(value))
+    vector.to_array().into_iter().all(|value| value == 0.0 || is_size(value))
 }
 
 fn is_size(value: f64) -> bool {

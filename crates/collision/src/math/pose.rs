@@ -14,10 +14,7 @@ pub struct Pose {
 
 impl Pose {
     /// The origin, unrotated.
-    pub const IDENTITY: Self = Self {
-        position: DVec3::ZERO,
-        rotation: DQuat::IDENTITY,
-    };
+    pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DQuat::IDENTITY };
 
     /// A pose; the numbers must be finite and the quaternion not 0, which the caller has checked.
     #[must_use]

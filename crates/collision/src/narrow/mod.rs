@@ -32,10 +32,7 @@ pub struct Placed<'a> {
 impl<'a> Placed<'a> {
     fn as_convex(&self) -> Option<PlacedConvex<'a>> {
         match self.geometry.form() {
-            Form::Convex(convex) => Some(PlacedConvex {
-                convex,
-                pose: self.pose,
-            }),
+            Form::Convex(convex) => Some(PlacedConvex { convex, pose: self.pose }),
             Form::Mesh(_) => None,
         }
     }

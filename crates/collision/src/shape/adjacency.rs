@@ -20,19 +20,11 @@ impl Adjacency {
         };
         let mut sides: Vec<u32> = (0..).take(3 * triangles.len()).collect();
         sides.sort_unstable_by_key(|&side| (ends(side), side));
-        let mut adjacency = Self {
-            first_of_edge: vec![0; sides.len()],
-            sides,
-            open_edges: 0,
-            non_manifold_edges: 0,
-        };
+        let mut adjacency = Self { first_of_edge: vec![0; sides.len()], sides, open_edges: 0, non_manifold_edges: 0 };
         let mut begin = 0;
         while begin < adjacency.sides.len() {
             let edge = ends(adjacency.sides[begin]);
-            let count = adjacency.sides[begin..]
-                .iter()
-                .take_while(|&&side| ends(side) == edge)
-                .count();
+            let count = adjacency.sides[begin..].iter().take_while(|&&side| ends(side) == edge).count();
             for &side in &adjacency.sides[begin..begin + count] {
                 adjacency.first_of_edge[side as usize] = u32::try_from(begin).unwrap_or(u32::MAX);
             }

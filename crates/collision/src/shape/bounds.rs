@@ -35,11 +35,7 @@ pub(super) fn placed_bounds(geometry: &Geometry, pose: &Pose) -> Aabb {
         return turned_convex(convex, geometry.reach(), pose);
     }
     let local = geometry.local_bounds();
-    let local = if is_turned(pose) {
-        turned_box(&pose.matrix(), local)
-    } else {
-        local
-    };
+    let local = if is_turned(pose) { turned_box(&pose.matrix(), local) } else { local };
     sum(local, Aabb::new(pose.position, pose.position))
 }
 
@@ -127,9 +123,7 @@ fn farthest(points: &[DVec3]) -> f64 {
 
 fn around(points: &[DVec3]) -> Aabb {
     let nothing = Aabb::new(DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let found = points
-        .iter()
-        .fold(nothing, |found, &point| found.union(Aabb::new(point, point)));
+    let found = points.iter().fold(nothing, |found, &point| found.union(Aabb::new(point, point)));
     Aabb::new(found.min + DVec3::ZERO, found.max + DVec3::ZERO)
 }
 
@@ -141,10 +135,7 @@ fn symmetric(half: DVec3) -> Aabb {
 fn sum(a: Aabb, b: Aabb) -> Aabb {
     let lower = |axis: usize| add_down(a.min[axis], b.min[axis]) + 0.0;
     let upper = |axis: usize| add_up(a.max[axis], b.max[axis]) + 0.0;
-    Aabb::new(
-        DVec3::from_array([0, 1, 2].map(lower)),
-        DVec3::from_array([0, 1, 2].map(upper)),
-    )
+    Aabb::new(DVec3::from_array([0, 1, 2].map(lower)), DVec3::from_array([0, 1, 2].map(upper)))
 }
 
 /// The length of a vector, rounded up. The largest component is taken out first, so that no square vanishes.

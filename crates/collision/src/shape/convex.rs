@@ -51,9 +51,5 @@ impl Core {
 }
 
 fn farthest(points: &[DVec3]) -> f64 {
-    points
-        .iter()
-        .map(|point| point.length_squared())
-        .fold(0.0, f64::max)
-        .sqrt()
+    points.iter().map(|point| point.length_squared()).fold(0.0, f64::max).sqrt()
 }

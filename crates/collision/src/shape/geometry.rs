@@ -49,11 +49,7 @@ impl Geometry {
     /// # Errors
     /// `radius` is not finite or not within [`Limits`]; 0 is none (that is [`Geometry::point`]).
     pub fn sphere(radius: f64) -> Result<Self, GeometryError> {
-        check_size(
-            "radius",
-            radius,
-            "from 1e-9 to 1e9 metres (for a single point, send a point)",
-        )?;
+        check_size("radius", radius, "from 1e-9 to 1e9 metres (for a single point, send a point)")?;
         Ok(Self::convex(Core::Point, radius))
     }
 
@@ -100,12 +96,7 @@ impl Geometry {
     /// # Errors
     /// Not finite, out of limits, none or too many.
     pub fn hull(points: &[DVec3]) -> Result<Self, GeometryError> {
-        check_count(
-            "points",
-            points.len(),
-            Limits::HULL_POINTS,
-            "a hull needs 1 to 65536 points",
-        )?;
+        check_count("points", points.len(), Limits::HULL_POINTS, "a hull needs 1 to 65536 points")?;
         check_coordinates("points", points)?;
         Ok(Self::convex(Core::Hull(Arc::new(Hull::new(points))), 0.0))
     }
@@ -164,16 +155,9 @@ impl Geometry {
         }
         let size = |value: f64| {
             let fits = value == 0.0 || is_size(value * scale);
-            fits.then_some(value * scale)
-                .ok_or_else(|| fail("such that sizes stay from 1e-9 to 1e9 metres"))
+            fits.then_some(value * scale).ok_or_else(|| fail("such that sizes stay from 1e-9 to 1e9 metres"))
         };
-        let fits = self
-            .local_bounds
-            .min
-            .abs()
-            .max(self.local_bounds.max.abs())
-            .max_element()
-            * scale;
+        let fits = self.local_bounds.min.abs().max(self.local_bounds.max.abs()).max_element() * scale;
         if fits > Limits::COORDINATE {
             return Err(fail("such that coordinates stay within 1e12 metres"));
         }
@@ -183,12 +167,10 @@ impl Geometry {
         };
         let core = match core {
             Core::Point => Core::Point,
-            Core::Segment { half_height } => Core::Segment {
-                half_height: size(half_height)?,
-            },
-            Core::Cuboid { half_extents: h } => Core::Cuboid {
-                half_extents: DVec3::new(size(h.x)?, size(h.y)?, size(h.z)?),
-            },
+            Core::Segment { half_height } => Core::Segment { half_height: size(half_height)? },
+            Core::Cuboid { half_extents: h } => {
+                Core::Cuboid { half_extents: DVec3::new(size(h.x)?, size(h.y)?, size(h.z)?) }
+            }
             Core::Hull(hull) => {
                 let points: Vec<DVec3> = hull.vertices().iter().map(|&vertex| vertex * scale).collect();
                 Core::Hull(Arc::new(Hull::new(&points)))
@@ -260,11 +242,6 @@ impl Geometry {
     }
 
     fn of(form: Form) -> Self {
-        Self {
-            local_bounds: local_bounds(&form),
-            reach: reach(&form),
-            form,
-            id: OnceLock::new(),
-        }
+        Self { local_bounds: local_bounds(&form), reach: reach(&form), form, id: OnceLock::new() }
     }
 }

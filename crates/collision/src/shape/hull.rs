@@ -69,10 +69,7 @@ impl Hull {
     /// The hull of `points`, at least one, all finite. The topology is built when a question first needs it.
     #[must_use]
     pub fn new(points: &[DVec3]) -> Self {
-        Self {
-            vertices: quickhull::distinct(points),
-            topology: OnceLock::new(),
-        }
+        Self { vertices: quickhull::distinct(points), topology: OnceLock::new() }
     }
 
     /// The distinct points, in the order they were sent.
@@ -97,11 +94,7 @@ impl Hull {
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
         let topology = self.topology.get().map_or(0, |topology| {
-            let corners: usize = topology
-                .faces
-                .iter()
-                .map(|face| face.vertices.len() * size_of::<u32>())
-                .sum();
+            let corners: usize = topology.faces.iter().map(|face| face.vertices.len() * size_of::<u32>()).sum();
             corners + topology.faces.len() * size_of::<Face>() + topology.edges.len() * size_of::<Edge>()
         });
         (size_of::<Self>() + self.vertices.len() * size_of::<DVec3>() + topology) as u64
@@ -110,10 +103,6 @@ impl Hull {
 
 impl From<Solid> for Topology {
     fn from(solid: Solid) -> Self {
-        Self {
-            span: Span::Solid,
-            faces: solid.faces,
-            edges: solid.edges,
-        }
+        Self { span: Span::Solid, faces: solid.faces, edges: solid.edges }
     }
 }

@@ -82,20 +82,12 @@ pub(super) fn out_of_limits(field: String, value: f64, allowed: &'static str) ->
 }
 
 pub(super) fn check_finite(field: impl FnOnce() -> String, value: f64) -> Result<(), GeometryError> {
-    if value.is_finite() {
-        Ok(())
-    } else {
-        Err(GeometryError::NotFinite { field: field(), value })
-    }
+    if value.is_finite() { Ok(()) } else { Err(GeometryError::NotFinite { field: field(), value }) }
 }
 
 pub(super) fn check_size(field: &str, value: f64, allowed: &'static str) -> Result<(), GeometryError> {
     check_finite(|| field.into(), value)?;
-    if is_size(value) {
-        Ok(())
-    } else {
-        Err(out_of_limits(field.into(), value, allowed))
-    }
+    if is_size(value) { Ok(()) } else { Err(out_of_limits(field.into(), value, allowed)) }
 }
 
 pub(super) fn check_size_or_zero(
@@ -104,20 +96,13 @@ pub(super) fn check_size_or_zero(
     allowed: &'static str,
 ) -> Result<(), GeometryError> {
     check_finite(&field, value)?;
-    if value == 0.0 || is_size(value) {
-        Ok(())
-    } else {
-        Err(out_of_limits(field(), value, allowed))
-    }
+    if value == 0.0 || is_size(value) { Ok(()) } else { Err(out_of_limits(field(), value, allowed)) }
 }
 
 pub(super) fn check_count(field: &str, found: usize, most: usize, hint: &str) -> Result<(), GeometryError> {
     let field = field.into();
     match found {
-        0 => Err(GeometryError::Bad {
-            field,
-            reason: format!("is empty: {hint}"),
-        }),
+        0 => Err(GeometryError::Bad { field, reason: format!("is empty: {hint}") }),
         _ if found > most => Err(GeometryError::TooMany { field, found, most }),
         _ => Ok(()),
     }

@@ -105,11 +105,7 @@ impl Mesh {
     #[must_use]
     pub fn corners(&self, index: usize) -> [DVec3; 3] {
         let [a, b, c] = self.triangles[index];
-        [
-            self.vertices[a as usize],
-            self.vertices[b as usize],
-            self.vertices[c as usize],
-        ]
+        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
     /// The number a kept triangle was sent with.
@@ -138,9 +134,7 @@ impl Mesh {
     #[must_use]
     pub fn tree(&self) -> &StaticTree {
         self.tree.get_or_init(|| {
-            let boxes: Vec<Aabb> = (0..self.triangles.len())
-                .map(|index| self.triangle_bounds(index))
-                .collect();
+            let boxes: Vec<Aabb> = (0..self.triangles.len()).map(|index| self.triangle_bounds(index)).collect();
             StaticTree::build(&boxes)
         })
     }
@@ -180,9 +174,7 @@ fn first_equal(vertices: &[DVec3]) -> (Vec<u32>, usize) {
     let mut seen: HashMap<[u64; 3], u32> = HashMap::with_capacity(vertices.len());
     let mut merged = 0;
     let first = vertices.iter().zip(0..).map(|(vertex, index)| {
-        let first = *seen
-            .entry((*vertex + DVec3::ZERO).to_array().map(f64::to_bits))
-            .or_insert(index);
+        let first = *seen.entry((*vertex + DVec3::ZERO).to_array().map(f64::to_bits)).or_insert(index);
         merged += usize::from(first != index);
         first
     });

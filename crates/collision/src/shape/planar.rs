@@ -34,18 +34,9 @@ pub(super) fn polygon(points: &[DVec3], [a, b, c]: [usize; 3]) -> Topology {
     let front = face(points, &outline, normal);
     let back = face(points, &outline.iter().rev().copied().collect::<Vec<_>>(), -normal);
     let edges = (0..outline.len())
-        .map(|i| Edge {
-            start: outline[i],
-            end: outline[(i + 1) % outline.len()],
-            left: 0,
-            right: 1,
-        })
+        .map(|i| Edge { start: outline[i], end: outline[(i + 1) % outline.len()], left: 0, right: 1 })
         .collect();
-    Topology {
-        span: Span::Polygon,
-        faces: vec![front, back],
-        edges,
-    }
+    Topology { span: Span::Polygon, faces: vec![front, back], edges }
 }
 
 fn half_outline(flat: &[Coord<f64>], order: impl Iterator<Item = usize>) -> Vec<u32> {
@@ -65,9 +56,5 @@ fn half_outline(flat: &[Coord<f64>], order: impl Iterator<Item = usize>) -> Vec<
 /// The three projections of `(b - a) × (c - a)`, each with an exact sign.
 pub(super) fn exact_cross(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     let on = |u: fn(DVec3) -> Coord<f64>| orient2d(u(a), u(b), u(c));
-    DVec3::new(
-        on(|p| Coord { x: p.y, y: p.z }),
-        on(|p| Coord { x: p.z, y: p.x }),
-        on(|p| Coord { x: p.x, y: p.y }),
-    )
+    DVec3::new(on(|p| Coord { x: p.y, y: p.z }), on(|p| Coord { x: p.z, y: p.x }), on(|p| Coord { x: p.x, y: p.y }))
 }

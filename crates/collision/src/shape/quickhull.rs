@@ -47,25 +47,12 @@ pub(super) fn distinct(points: &[DVec3]) -> Vec<DVec3> {
 /// Faces and edges of the hull of distinct points, at least one.
 pub(super) fn topology(points: &[DVec3]) -> Topology {
     let Some(line) = spanning_segment(points) else {
-        return Topology {
-            span: Span::Point,
-            faces: Vec::new(),
-            edges: Vec::new(),
-        };
+        return Topology { span: Span::Point, faces: Vec::new(), edges: Vec::new() };
     };
     let Some(apex) = farthest_off_line(points, line) else {
         let [start, end] = line_ends(points, line);
-        let edge = Edge {
-            start,
-            end,
-            left: u32::MAX,
-            right: u32::MAX,
-        };
-        return Topology {
-            span: Span::Segment,
-            faces: Vec::new(),
-            edges: vec![edge],
-        };
+        let edge = Edge { start, end, left: u32::MAX, right: u32::MAX };
+        return Topology { span: Span::Segment, faces: Vec::new(), edges: vec![edge] };
     };
     let base = [line[0], line[1], apex];
     match farthest_off_plane(points, base) {
@@ -76,11 +63,7 @@ pub(super) fn topology(points: &[DVec3]) -> Topology {
 
 /// Sign-exact six-fold volume: above 0 where `d` is on the inner side of a face seen counter-clockwise from outside.
 fn volume(points: &[DVec3], [a, b, c]: [usize; 3], d: usize) -> f64 {
-    let coordinate = |index: usize| Coord3D {
-        x: points[index].x,
-        y: points[index].y,
-        z: points[index].z,
-    };
+    let coordinate = |index: usize| Coord3D { x: points[index].x, y: points[index].y, z: points[index].z };
     orient3d(coordinate(a), coordinate(b), coordinate(c), coordinate(d))
 }
 
@@ -119,10 +102,7 @@ fn farthest_off_plane(points: &[DVec3], base: [usize; 3]) -> Option<usize> {
 /// The two ends of points on a line, by the coordinate in which the line is longest.
 fn line_ends(points: &[DVec3], [a, b]: [usize; 2]) -> [u32; 2] {
     let along = points[b] - points[a];
-    let ends = [
-        index_of_max(points, |_, p| -p.dot(along)),
-        index_of_max(points, |_, p| p.dot(along)),
-    ];
+    let ends = [index_of_max(points, |_, p| -p.dot(along)), index_of_max(points, |_, p| p.dot(along))];
     ends.map(|end| index_u32(end.unwrap_or(0)))
 }
 
@@ -132,15 +112,12 @@ pub(super) fn polygon_normal(points: &[DVec3], outline: &[u32]) -> DVec3 {
     let count = outline.len();
     let third = (count / 3).max(1);
     let candidates = (0..count).flat_map(|i| [[i, i + 1, i + 2], [i, i + third, i + 2 * third]]);
-    let largest = candidates
-        .map(|[i, j, k]| exact::cross(corner(j) - corner(i), corner(k) - corner(i)))
-        .fold(DVec3::ZERO, |best, normal| {
-            if normal.length_squared() > best.length_squared() {
-                normal
-            } else {
-                best
-            }
-        });
+    let largest = candidates.map(|[i, j, k]| exact::cross(corner(j) - corner(i), corner(k) - corner(i))).fold(
+        DVec3::ZERO,
+        |best, normal| {
+            if normal.length_squared() > best.length_squared() { normal } else { best }
+        },
+    );
     try_unit(largest).unwrap_or(DVec3::X)
 }
 
@@ -150,15 +127,8 @@ pub(super) fn index_u32(index: usize) -> u32 {
 }
 
 pub(super) fn face(points: &[DVec3], outline: &[u32], normal: DVec3) -> Face {
-    let offset = outline
-        .iter()
-        .map(|&v| normal.dot(points[v as usize]))
-        .fold(f64::NEG_INFINITY, f64::max);
-    Face {
-        normal,
-        offset,
-        vertices: outline.to_vec(),
-    }
+    let offset = outline.iter().map(|&v| normal.dot(points[v as usize])).fold(f64::NEG_INFINITY, f64::max);
+    Face { normal, offset, vertices: outline.to_vec() }
 }
 
 /// A triangle of the surface under construction.
@@ -178,21 +148,12 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(points: &'a [DVec3], base: [usize; 3], top: usize) -> Self {
-        let [a, b, c] = if volume(points, base, top) > 0.0 {
-            base
-        } else {
-            [base[0], base[2], base[1]]
-        };
+        let [a, b, c] = if volume(points, base, top) > 0.0 { base } else { [base[0], base[2], base[1]] };
         let d = top;
         let corners = [[a, b, c], [a, d, b], [b, d, c], [c, d, a]];
         let neighbors = [[1, 2, 3], [3, 2, 0], [1, 3, 0], [2, 1, 0]];
         let triangles = (0..4)
-            .map(|i| Triangle {
-                corners: corners[i],
-                neighbors: neighbors[i],
-                outside: Vec::new(),
-                alive: true,
-            })
+            .map(|i| Triangle { corners: corners[i], neighbors: neighbors[i], outside: Vec::new(), alive: true })
             .collect();
         let mut builder = Self { points, triangles };
         builder.assign((0..points.len()).filter(|p| ![a, b, c, d].contains(p)).collect(), 0);
@@ -228,9 +189,7 @@ impl<'a> Builder<'a> {
         let corners = self.triangles[start].corners;
         let outside = &self.triangles[start].outside;
         let Some(&point) = outside.iter().max_by(|&&p, &&q| {
-            volume(self.points, corners, q)
-                .total_cmp(&volume(self.points, corners, p))
-                .then(q.cmp(&p))
+            volume(self.points, corners, q).total_cmp(&volume(self.points, corners, p)).then(q.cmp(&p))
         }) else {
             return;
         };
@@ -289,10 +248,7 @@ impl<'a> Builder<'a> {
             ordered.push((tail, head, across));
             tail = head;
         }
-        debug_assert!(
-            rim.is_empty() && tail == first,
-            "exact signs make the horizon one closed loop"
-        );
+        debug_assert!(rim.is_empty() && tail == first, "exact signs make the horizon one closed loop");
         (visible, ordered)
     }
 
@@ -309,10 +265,8 @@ impl<'a> Builder<'a> {
             for side in 0..3 {
                 let across = triangle.neighbors[side];
                 if group[across] != group[index] {
-                    borders[face as usize].insert(
-                        triangle.corners[side],
-                        (triangle.corners[(side + 1) % 3], group[across]),
-                    );
+                    borders[face as usize]
+                        .insert(triangle.corners[side], (triangle.corners[(side + 1) % 3], group[across]));
                 }
             }
         }
@@ -328,12 +282,7 @@ impl<'a> Builder<'a> {
                 let left = index_u32(left);
                 if left < right {
                     let [start, end] = [tail, head].map(index_u32);
-                    edges.push(Edge {
-                        start,
-                        end,
-                        left,
-                        right,
-                    });
+                    edges.push(Edge { start, end, left, right });
                 }
                 tail = head;
                 if tail == first {
@@ -359,9 +308,7 @@ impl<'a> Builder<'a> {
                 for &across in &self.triangles[index].neighbors {
                     let joined = group[across] == usize::MAX && {
                         let corners = self.triangles[across].corners;
-                        corners
-                            .iter()
-                            .all(|&corner| volume(self.points, self.triangles[start].corners, corner) == 0.0)
+                        corners.iter().all(|&corner| volume(self.points, self.triangles[start].corners, corner) == 0.0)
                     };
                     if joined {
                         group[across] = start;

@@ -88,11 +88,7 @@ impl Snapshot {
             });
         }
         if let Some(fixed) = self.state.fixed_if_built() {
-            built.push(BuiltStructure {
-                name: "static_tree",
-                count: 1,
-                memory_bytes: fixed.memory_bytes(),
-            });
+            built.push(BuiltStructure { name: "static_tree", count: 1, memory_bytes: fixed.memory_bytes() });
         }
         built
     }
@@ -105,11 +101,7 @@ fn mesh_trees(geometries: &[&Arc<Geometry>]) -> Option<BuiltStructure> {
         Form::Convex(_) => None,
     });
     let (count, memory_bytes) = built.fold((0, 0), |(count, bytes), tree| (count + 1, bytes + tree.memory_bytes()));
-    (count > 0).then_some(BuiltStructure {
-        name: "mesh_tree",
-        count,
-        memory_bytes,
-    })
+    (count > 0).then_some(BuiltStructure { name: "mesh_tree", count, memory_bytes })
 }
 
 /// 1 where the fresh tree costs nothing: of points, or of nothing.

@@ -30,10 +30,7 @@ struct Chunk {
 
 impl Chunk {
     fn new(items: Vec<(ShapeId, Slot)>) -> Self {
-        Self {
-            first: items[0].0,
-            items: Arc::new(items),
-        }
+        Self { first: items[0].0, items: Arc::new(items) }
     }
 }
 

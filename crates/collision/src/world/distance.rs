@@ -70,11 +70,7 @@ impl Distance {
         let limit = self.max_distance;
         let mut separation = narrow::distance(subject.placed, other.placed, limit, accuracy, &mut meter.work)?;
         raise(&mut separation.distance, &mut separation.certificate, least);
-        Some(Neighbor {
-            id: other.id(),
-            user_data: other.user_data(),
-            separation,
-        })
+        Some(Neighbor { id: other.id(), user_data: other.user_data(), separation })
     }
 }
 
@@ -95,10 +91,7 @@ impl Snapshot {
         let mut best = Best::new(question.max_hits);
         if let Some(other) = self.against(question.against.as_ref())? {
             meter.look()?;
-            question
-                .ask(&subject, &other, accuracy, meter)
-                .into_iter()
-                .for_each(|neighbor| best.add(neighbor));
+            question.ask(&subject, &other, accuracy, meter).into_iter().for_each(|neighbor| best.add(neighbor));
         } else {
             let sieve = Sieve::new(filter, subject.shape);
             self.near(subject.bounds, question.max_distance, meter, |meter, entry| {
@@ -114,10 +107,6 @@ impl Snapshot {
             })?;
         }
         let hits = best.into_sorted();
-        Ok(Found {
-            verdict: verdict(hits.iter().map(Hit::certificate)),
-            hits,
-            truncated: false,
-        })
+        Ok(Found { verdict: verdict(hits.iter().map(Hit::certificate)), hits, truncated: false })
     }
 }

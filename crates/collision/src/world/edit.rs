@@ -97,13 +97,7 @@ impl World {
     /// An empty world at tick 1.
     #[must_use]
     pub fn new(time: Time) -> Self {
-        Self {
-            newest: Arc::new(Snapshot {
-                tick: Tick::MIN,
-                time,
-                state: State::default(),
-            }),
-        }
+        Self { newest: Arc::new(Snapshot { tick: Tick::MIN, time, state: State::default() }) }
     }
 
     /// The newest version.
@@ -143,10 +137,6 @@ impl World {
         }
         let tick = self.newest.tick.saturating_add(1);
         self.newest = Arc::new(Snapshot { tick, time, state });
-        Ok(EditReport {
-            tick,
-            changed_count,
-            faults,
-        })
+        Ok(EditReport { tick, changed_count, faults })
     }
 }

@@ -42,10 +42,7 @@ impl<'a> Sieve<'a> {
         Self {
             filter,
             layers: filter.layers.or(asker.map(|shape| shape.layers)).unwrap_or(u32::MAX),
-            collides_with: filter
-                .collides_with
-                .or(asker.map(|shape| shape.collides_with))
-                .unwrap_or(u32::MAX),
+            collides_with: filter.collides_with.or(asker.map(|shape| shape.collides_with)).unwrap_or(u32::MAX),
             asker: asker.map(|shape| (shape.id, shape.group)),
             exclude_ids,
         }
@@ -54,9 +51,7 @@ impl<'a> Sieve<'a> {
     /// Whether the asker sees a shape.
     pub(super) fn passes(&self, shape: &Shape) -> bool {
         let is_wanted = shape.layers & self.collides_with != 0 && shape.collides_with & self.layers != 0;
-        let is_own = self
-            .asker
-            .is_some_and(|(id, group)| id == shape.id || (group != 0 && group == shape.group));
+        let is_own = self.asker.is_some_and(|(id, group)| id == shape.id || (group != 0 && group == shape.group));
         let is_excluded = (self.filter.exclude_sensors && shape.sensor)
             || (self.filter.exclude_static && shape.mobility == Mobility::Static)
             || (shape.group != 0 && self.filter.exclude_groups.contains(&shape.group))

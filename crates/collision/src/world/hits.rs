@@ -75,10 +75,7 @@ impl<H: Hit> Eq for Ranked<H> {}
 impl<H: Hit> Best<H> {
     /// None yet, and `most` at the end.
     pub(super) fn new(most: usize) -> Self {
-        Self {
-            most,
-            worst_first: BinaryHeap::new(),
-        }
+        Self { most, worst_first: BinaryHeap::new() }
     }
 
     /// Takes a hit, and gives up the worst if there are too many.
@@ -94,18 +91,12 @@ impl<H: Hit> Best<H> {
         if self.worst_first.len() < self.most {
             return f64::INFINITY;
         }
-        self.worst_first
-            .peek()
-            .map_or(f64::NEG_INFINITY, |worst| worst.0.value())
+        self.worst_first.peek().map_or(f64::NEG_INFINITY, |worst| worst.0.value())
     }
 
     /// The best first.
     pub(super) fn into_sorted(self) -> Vec<H> {
-        self.worst_first
-            .into_sorted_vec()
-            .into_iter()
-            .map(|ranked| ranked.0)
-            .collect()
+        self.worst_first.into_sorted_vec().into_iter().map(|ranked| ranked.0).collect()
     }
 }
 
@@ -135,15 +126,8 @@ impl<H: Hit> Gathered<H> {
     /// Nothing yet.
     pub(super) fn new(mode: HitMode) -> Self {
         match mode {
-            HitMode::Closest => Self::Closest {
-                certain: None,
-                undecided: Vec::new(),
-                limit: f64::INFINITY,
-            },
-            HitMode::Any => Self::Any {
-                certain: None,
-                undecided: Vec::new(),
-            },
+            HitMode::Closest => Self::Closest { certain: None, undecided: Vec::new(), limit: f64::INFINITY },
+            HitMode::Any => Self::Any { certain: None, undecided: Vec::new() },
             HitMode::All(most) => Self::All(Best::new(most.saturating_add(1))),
         }
     }
@@ -151,11 +135,7 @@ impl<H: Hit> Gathered<H> {
     /// Takes what was found on one shape: a certain hit, and an undecided one that may come before it.
     pub(super) fn add(&mut self, found_certain: Option<H>, found_undecided: Option<H>) {
         match self {
-            Self::Closest {
-                certain,
-                undecided,
-                limit,
-            } => {
+            Self::Closest { certain, undecided, limit } => {
                 undecided.extend(found_undecided);
                 if let Some(hit) = found_certain {
                     *limit = limit.min(hit.certificate().bound.upper);
@@ -189,23 +169,14 @@ impl<H: Hit> Gathered<H> {
     /// The answer.
     pub(super) fn finish(self) -> Found<H> {
         let (hits, truncated) = match self {
-            Self::Closest {
-                certain,
-                mut undecided,
-                limit,
-            } => {
+            Self::Closest { certain, mut undecided, limit } => {
                 undecided.retain(|hit| hit.certificate().bound.lower < limit);
                 undecided.sort_by(order);
                 undecided.extend(certain);
                 (undecided, false)
             }
-            Self::Any {
-                certain: Some(certain), ..
-            } => (vec![certain], false),
-            Self::Any {
-                certain: None,
-                mut undecided,
-            } => {
+            Self::Any { certain: Some(certain), .. } => (vec![certain], false),
+            Self::Any { certain: None, mut undecided } => {
                 undecided.sort_by(order);
                 (undecided, false)
             }
@@ -217,11 +188,7 @@ impl<H: Hit> Gathered<H> {
                 (hits, truncated)
             }
         };
-        Found {
-            verdict: verdict(hits.iter().map(Hit::certificate)),
-            hits,
-            truncated,
-        }
+        Found { verdict: verdict(hits.iter().map(Hit::certificate)), hits, truncated }
     }
 }
 
@@ -295,9 +262,7 @@ mod tests {
     fn what_is_kept_does_not_depend_on_the_order() {
         let mut state = 7_u64;
         let mut next = |below: u64| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 33) % below
         };
         let mut several = 0;

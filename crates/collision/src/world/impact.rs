@@ -82,20 +82,12 @@ impl TimeOfImpact {
         };
         let mut touch = narrow::linear_impact(subject.placed, other.placed, &motion, accuracy, &mut meter.work)?;
         raise(&mut touch.fraction, &mut touch.certificate, least);
-        Some(Impact {
-            id: other.id(),
-            user_data: other.user_data(),
-            touch,
-        })
+        Some(Impact { id: other.id(), user_data: other.user_data(), touch })
     }
 
     /// The world stands still.
     fn displacement_of_others(&self) -> DVec3 {
-        if self.against.is_some() {
-            self.against_displacement
-        } else {
-            DVec3::ZERO
-        }
+        if self.against.is_some() { self.against_displacement } else { DVec3::ZERO }
     }
 }
 

@@ -58,11 +58,7 @@ impl Snapshot {
                 hits.push(hit);
             }
         }
-        Ok(Found {
-            verdict: verdict(hits.iter().map(|hit| &hit.certificate)),
-            hits,
-            truncated,
-        })
+        Ok(Found { verdict: verdict(hits.iter().map(|hit| &hit.certificate)), hits, truncated })
     }
 }
 

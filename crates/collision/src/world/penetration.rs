@@ -70,24 +70,15 @@ impl Snapshot {
         let mut hits = Vec::new();
         for other in others.iter().filter(|other| other.bounds.intersects(query)) {
             meter.look()?;
-            let contacts = narrow::penetration(
-                subject.placed,
-                other.placed,
-                question.max_gap,
-                accuracy,
-                &mut meter.work,
-            )
-            .map_err(|_| QuestionError::NeedsDecomposition(other.id()))?;
+            let contacts =
+                narrow::penetration(subject.placed, other.placed, question.max_gap, accuracy, &mut meter.work)
+                    .map_err(|_| QuestionError::NeedsDecomposition(other.id()))?;
             hits.extend(contacts.into_iter().map(|contact| of_shape(contact, other)));
         }
         hits.sort_by(deepest_first);
         let truncated = hits.len() > question.max_contacts;
         hits.truncate(question.max_contacts);
-        Ok(Found {
-            verdict: verdict(hits.iter().map(|hit| &hit.certificate)),
-            hits,
-            truncated,
-        })
+        Ok(Found { verdict: verdict(hits.iter().map(|hit| &hit.certificate)), hits, truncated })
     }
 }
 

@@ -84,11 +84,7 @@ impl<'a> Meter<'a> {
 
     /// A meter that asks `keep_going` about every 100 µs of work; `false` ends the question as interrupted.
     pub fn new(keep_going: &'a mut dyn FnMut() -> bool) -> Self {
-        Self {
-            work: Work::default(),
-            keep_going,
-            units_until_check: Self::UNITS_BETWEEN_CHECKS,
-        }
+        Self { work: Work::default(), keep_going, units_until_check: Self::UNITS_BETWEEN_CHECKS }
     }
 
     /// Counts a shape whose geometry is looked at.

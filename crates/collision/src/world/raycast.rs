@@ -61,14 +61,7 @@ struct Track {
 impl Track {
     fn new(ray: &Ray) -> Self {
         let direction = ray.direction * power_of_two_towards_one(ray.direction.abs().max_element());
-        Self {
-            path: Path {
-                origin: ray.origin,
-                direction,
-                reach: DVec3::ZERO,
-            },
-            length: direction.length(),
-        }
+        Self { path: Path { origin: ray.origin, direction, reach: DVec3::ZERO }, length: direction.length() }
     }
 
     /// The `t` of a distance, so much too large that no box is lost by it.
@@ -144,9 +137,7 @@ mod tests {
     fn what_ends_at_the_limit_is_still_offered() {
         let mut state = 1_u64;
         let mut number = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
         for _ in 0..10_000 {

@@ -27,21 +27,14 @@ impl<'a> Side<'a> {
     /// A shape of the world where it is.
     pub(super) fn of(entry: &'a Entry) -> Self {
         Self {
-            placed: Placed {
-                geometry: &entry.shape.geometry,
-                pose: entry.shape.pose,
-            },
+            placed: Placed { geometry: &entry.shape.geometry, pose: entry.shape.pose },
             shape: Some(&entry.shape),
             bounds: entry.bounds,
         }
     }
 
     fn at(geometry: &'a Geometry, pose: Pose, shape: Option<&'a Shape>) -> Self {
-        Self {
-            placed: Placed { geometry, pose },
-            shape,
-            bounds: geometry.bounds(&pose),
-        }
+        Self { placed: Placed { geometry, pose }, shape, bounds: geometry.bounds(&pose) }
     }
 
     /// Its id, if it is a shape of the world.
@@ -69,10 +62,7 @@ impl Snapshot {
 
     /// What it is asked against, if it names that.
     pub(super) fn against<'a>(&'a self, against: Option<&'a Subject>) -> Result<Option<Side<'a>>, QuestionError> {
-        against
-            .map(|against| self.side(against))
-            .transpose()
-            .map_err(QuestionError::AgainstNotFound)
+        against.map(|against| self.side(against)).transpose().map_err(QuestionError::AgainstNotFound)
     }
 
     fn side<'a>(&'a self, subject: &'a Subject) -> Result<Side<'a>, ShapeId> {
@@ -129,9 +119,9 @@ impl Snapshot {
                 Ok(limit)
             })?;
         }
-        self.state.moving.visit_ray(path, limit, meter, |meter, leaf, _| {
-            visit(meter, self.state.shapes.entry(Slot(leaf)))
-        })
+        self.state
+            .moving
+            .visit_ray(path, limit, meter, |meter, leaf, _| visit(meter, self.state.shapes.entry(Slot(leaf))))
     }
 
     /// Visits the shapes whose boxes may be within `limit` metres of `query`, in each tree the nearest first. The visitor
@@ -150,8 +140,8 @@ impl Snapshot {
                 Ok(limit)
             })?;
         }
-        self.state.moving.visit_nearest(query, limit, meter, |meter, leaf, _| {
-            visit(meter, self.state.shapes.entry(Slot(leaf)))
-        })
+        self.state
+            .moving
+            .visit_nearest(query, limit, meter, |meter, leaf, _| visit(meter, self.state.shapes.entry(Slot(leaf))))
     }
 }

@@ -35,15 +35,9 @@ pub(super) struct Fixed {
 
 impl Fixed {
     fn build(shapes: &Store) -> Self {
-        let (slots, boxes): (Vec<Slot>, Vec<Aabb>) = shapes
-            .iter()
-            .filter(|(_, entry)| entry.leaf.is_none())
-            .map(|(slot, entry)| (slot, entry.bounds))
-            .unzip();
-        Self {
-            tree: StaticTree::build(&boxes),
-            slots,
-        }
+        let (slots, boxes): (Vec<Slot>, Vec<Aabb>) =
+            shapes.iter().filter(|(_, entry)| entry.leaf.is_none()).map(|(slot, entry)| (slot, entry.bounds)).unzip();
+        Self { tree: StaticTree::build(&boxes), slots }
     }
 
     /// The slot of a leaf.
@@ -89,20 +83,9 @@ impl State {
                 self.insert(shape);
                 Ok(1)
             }
-            Edit::Move {
-                id,
-                position,
-                rotation,
-                velocity,
-                angular_velocity,
-                teleport,
-            } => {
+            Edit::Move { id, position, rotation, velocity, angular_velocity, teleport } => {
                 let slot = self.ids.get(id).ok_or(id)?;
-                let motion = if teleport {
-                    Motion::Teleported
-                } else {
-                    Motion::Travelled
-                };
+                let motion = if teleport { Motion::Teleported } else { Motion::Travelled };
                 let shape = &mut self.shapes.entry_mut(slot).shape;
                 shape.velocity = velocity.unwrap_or(shape.velocity);
                 shape.angular_velocity = angular_velocity.unwrap_or(shape.angular_velocity);

@@ -21,11 +21,7 @@ fn data() -> Option<PathBuf> {
         return Some(folder);
     }
     let is_ci = std::env::var_os("CI").is_some_and(|value| value == "true");
-    assert!(
-        !(is_ci && workspace.join("../shared").exists()),
-        "there is no {}",
-        folder.display()
-    );
+    assert!(!(is_ci && workspace.join("../shared").exists()), "there is no {}", folder.display());
     eprintln!("passed over: there is no shared data in {}", folder.display());
     None
 }
@@ -37,10 +33,7 @@ fn boxes(file: &Path) -> Vec<Aabb> {
         let float = |at: usize| f64::from(f32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")));
         DVec3::new(float(at), float(at + 4), float(at + 8))
     };
-    bytes
-        .chunks_exact(24)
-        .map(|bytes| Aabb::new(corner(bytes, 0), corner(bytes, 12)))
-        .collect()
+    bytes.chunks_exact(24).map(|bytes| Aabb::new(corner(bytes, 0), corner(bytes, 12))).collect()
 }
 
 /// Number of pairs i < j, and the order-free hash of FORMAT.md.
@@ -51,9 +44,7 @@ fn pairs(tree: &impl Tree, boxes: &[Aabb]) -> (u64, u64) {
             let j = u64::from(leaf);
             if i < j && boxes[leaf as usize].intersects(*bounds) {
                 count += 1;
-                let mut x = i
-                    .wrapping_mul(0x9E37_79B9_7F4A_7C15)
-                    .wrapping_add(j.wrapping_mul(0xC2B2_AE3D_27D4_EB4F));
+                let mut x = i.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(j.wrapping_mul(0xC2B2_AE3D_27D4_EB4F));
                 x ^= x >> 29;
                 x = x.wrapping_mul(0xBF58_476D_1CE4_E5B9);
                 x ^= x >> 32;
@@ -70,16 +61,11 @@ fn both_trees_find_the_pairs_of_the_shared_sets() {
     let Some(data) = data() else {
         return;
     };
-    for (name, count, hash) in [
-        ("box3d_bounds01", 650, 12_634_663_155_596_862_532),
-        ("bullet_gpu_32006", 12, 15_907_769_130_623_324_597),
-    ] {
+    for (name, count, hash) in
+        [("box3d_bounds01", 650, 12_634_663_155_596_862_532), ("bullet_gpu_32006", 12, 15_907_769_130_623_324_597)]
+    {
         let boxes = boxes(&data.join(format!("aabb/{name}.f32")));
-        assert_eq!(
-            pairs(&StaticTree::build(&boxes), &boxes),
-            (count, hash),
-            "static tree, {name}"
-        );
+        assert_eq!(pairs(&StaticTree::build(&boxes), &boxes), (count, hash), "static tree, {name}");
         let mut tree = DynamicTree::default();
         let margin = boxes[0].half_area().sqrt();
         for (leaf, bounds) in (0..).zip(&boxes) {

@@ -68,11 +68,7 @@ fn random_edit(tree: &mut DynamicTree, model: &mut Model, random: &mut Random, n
 fn assert_complete(tree: &DynamicTree, model: &Model, random: &mut Random) {
     let query = random_box(random).inflated(2.0);
     let found = found_by_box(tree, query);
-    let path = Path {
-        origin: random.vector() * 12.0,
-        direction: random.vector() * 20.0,
-        reach: DVec3::ZERO,
-    };
+    let path = Path { origin: random.vector() * 12.0, direction: random.vector() * 20.0, reach: DVec3::ZERO };
     let on_path = found_by_ray(tree, &path);
     let mut nearest = f64::INFINITY;
     let Ok(()) = tree.visit_nearest(query, f64::INFINITY, &mut Work::default(), |_, leaf, _| {
@@ -82,18 +78,12 @@ fn assert_complete(tree: &DynamicTree, model: &Model, random: &mut Random) {
     let mut brute_nearest = f64::INFINITY;
     for (leaf, &(bounds, node)) in model {
         assert!(tree.fat_bounds(node).contains(bounds), "leaf {leaf} left its fat box");
-        assert!(
-            !bounds.intersects(query) || found.contains(leaf),
-            "leaf {leaf} is missing"
-        );
+        assert!(!bounds.intersects(query) || found.contains(leaf), "leaf {leaf} is missing");
         let is_on_path = (0..=32).any(|step| {
             let point = path.origin + path.direction * (f64::from(step) / 32.0);
             bounds.contains(Aabb::new(point, point))
         });
-        assert!(
-            !is_on_path || on_path.contains(leaf),
-            "leaf {leaf} is missing on {path:?}"
-        );
+        assert!(!is_on_path || on_path.contains(leaf), "leaf {leaf} is missing on {path:?}");
         brute_nearest = brute_nearest.min(bounds.distance_sq(query));
     }
     assert_eq!(nearest, brute_nearest);
@@ -129,10 +119,7 @@ fn random_edits_keep_it_sound_and_complete_and_its_clones_as_they_were() {
         }
         assert!(tree.is_empty() && tree.bounds().is_none() && tree.depth() == 0);
     }
-    assert!(
-        kinds.iter().all(|&count| count > 100),
-        "each kind of refit happens: {kinds:?}"
-    );
+    assert!(kinds.iter().all(|&count| count > 100), "each kind of refit happens: {kinds:?}");
 }
 
 /// Boxes for which the surface-area heuristic alone makes a chain or does not care.
@@ -149,9 +136,8 @@ fn no_order_of_boxes_makes_it_deep() {
     for (family, make) in families.into_iter().enumerate() {
         for reversed in [false, true] {
             let mut tree = DynamicTree::default();
-            let nodes: Vec<NodeIndex> = (0..count)
-                .map(|i| tree.insert(i, make(if reversed { count - 1 - i } else { i }), 0.0))
-                .collect();
+            let nodes: Vec<NodeIndex> =
+                (0..count).map(|i| tree.insert(i, make(if reversed { count - 1 - i } else { i }), 0.0)).collect();
             tree.assert_sound();
             assert!(tree.depth() <= 37, "family {family} has {} levels", tree.depth());
             for node in nodes.into_iter().step_by(2) {
@@ -172,10 +158,7 @@ fn it_is_about_as_good_as_a_fresh_tree_after_many_moves() {
             Aabb::new(center - 1.0, center + 1.0)
         })
         .collect();
-    let nodes: Vec<NodeIndex> = (0..)
-        .zip(&boxes)
-        .map(|(leaf, bounds)| tree.insert(leaf, *bounds, 0.0))
-        .collect();
+    let nodes: Vec<NodeIndex> = (0..).zip(&boxes).map(|(leaf, bounds)| tree.insert(leaf, *bounds, 0.0)).collect();
     for _ in 0..40 {
         for (bounds, node) in boxes.iter_mut().zip(&nodes) {
             let step = random.vector();
@@ -194,11 +177,7 @@ fn it_is_about_as_good_as_a_fresh_tree_after_many_moves() {
         });
     }
     let ratio = moved_work.nodes_visited as f64 / fresh_work.nodes_visited as f64;
-    assert!(
-        ratio < 2.0,
-        "{ratio:.2} times the visits of a fresh tree, {} levels",
-        tree.depth()
-    );
+    assert!(ratio < 2.0, "{ratio:.2} times the visits of a fresh tree, {} levels", tree.depth());
     let cost = tree.area_sum() / fresh.area_sum();
     assert!((0.5..2.0).contains(&cost), "{cost:.2} times the cost of a fresh tree");
 }

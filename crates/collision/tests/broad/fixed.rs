@@ -73,18 +73,11 @@ fn a_box_search_offers_every_box_that_touches_and_each_once() {
 fn a_search_that_touches_little_visits_little() {
     let mut random = Random::new(2);
     let boxes = boxes_of(&mut random, 20_000, 1000.0);
-    let small: Vec<Aabb> = boxes
-        .iter()
-        .map(|b| Aabb::new(b.center() - 1.0, b.center() + 1.0))
-        .collect();
+    let small: Vec<Aabb> = boxes.iter().map(|b| Aabb::new(b.center() - 1.0, b.center() + 1.0)).collect();
     let tree = StaticTree::build(&small);
     let mut work = Work::default();
     let Ok(()) = tree.visit_box(small[77], &mut work, |_, _| Ok(ControlFlow::Continue(())));
-    assert!(
-        work.nodes_visited < 100,
-        "{} nodes for one small box",
-        work.nodes_visited
-    );
+    assert!(work.nodes_visited < 100, "{} nodes for one small box", work.nodes_visited);
     let mut work = Work::default();
     let Ok(()) = tree.visit_nearest(small[77], f64::INFINITY, &mut work, |_, leaf, _| {
         Ok(small[leaf as usize].distance_sq(small[77]).sqrt())
@@ -119,16 +112,9 @@ fn a_path_through_a_point_of_a_box_meets_it() {
                 if direction == DVec3::ZERO {
                     continue;
                 }
-                let path = Path {
-                    origin,
-                    direction,
-                    reach: DVec3::ZERO,
-                };
+                let path = Path { origin, direction, reach: DVec3::ZERO };
                 let found = found_by_ray(&tree, &path, 1.0 + 1e-12);
-                assert!(
-                    found.contains(&(index as u32)),
-                    "{path:?} lost corner {target} of box {index}"
-                );
+                assert!(found.contains(&(index as u32)), "{path:?} lost corner {target} of box {index}");
             }
         }
     }
@@ -174,10 +160,7 @@ fn a_limit_that_shrinks_still_finds_the_first_and_the_nearest() {
                 best = best.min(distance);
                 Ok(best)
             });
-            let brute = boxes
-                .iter()
-                .map(|b| b.distance_sq(query).sqrt())
-                .fold(f64::INFINITY, f64::min);
+            let brute = boxes.iter().map(|b| b.distance_sq(query).sqrt()).fold(f64::INFINITY, f64::min);
             assert_eq!(best, brute);
         }
     }
@@ -188,32 +171,19 @@ fn equal_boxes_and_long_rows_make_shallow_trees() {
     let equal = vec![Aabb::new(DVec3::ZERO, DVec3::ONE); 10_000];
     assert!(StaticTree::build(&equal).depth() <= 16);
     // Each centre twice as far as the one before: bins of equal width peel off one at a time.
-    let row: Vec<Aabb> = (0..900)
-        .map(|i| Aabb::new(DVec3::ZERO, DVec3::X * f64::powi(2.0, i / 10 - 40)))
-        .collect();
+    let row: Vec<Aabb> = (0..900).map(|i| Aabb::new(DVec3::ZERO, DVec3::X * f64::powi(2.0, i / 10 - 40))).collect();
     assert!(StaticTree::build(&row).depth() <= 80);
-    assert_eq!(
-        found_by_box(&StaticTree::build(&row), Aabb::new(DVec3::ZERO, DVec3::ZERO)).len(),
-        900
-    );
-    let points: Vec<Aabb> = (0..4096)
-        .map(|i| Aabb::new(DVec3::X * f64::from(i), DVec3::X * f64::from(i)))
-        .collect();
-    assert!(
-        StaticTree::build(&points).depth() <= 13,
-        "boxes without area are halved evenly"
-    );
+    assert_eq!(found_by_box(&StaticTree::build(&row), Aabb::new(DVec3::ZERO, DVec3::ZERO)).len(), 900);
+    let points: Vec<Aabb> = (0..4096).map(|i| Aabb::new(DVec3::X * f64::from(i), DVec3::X * f64::from(i))).collect();
+    assert!(StaticTree::build(&points).depth() <= 13, "boxes without area are halved evenly");
 }
 
 /// The wall is a denormal away and the direction's inverse overflows: only the slack keeps the box.
 #[test]
 fn a_direction_with_an_inverse_that_overflows_loses_nothing() {
     let tree = StaticTree::build(&[Aabb::new(DVec3::new(0.0, 0.9, 0.0), DVec3::new(0.0, 1.1, 0.0))]);
-    let path = Path {
-        origin: DVec3::new(1e-310, 0.0, 0.0),
-        direction: DVec3::new(-1e-310, 1.0, 0.0),
-        reach: DVec3::ZERO,
-    };
+    let path =
+        Path { origin: DVec3::new(1e-310, 0.0, 0.0), direction: DVec3::new(-1e-310, 1.0, 0.0), reach: DVec3::ZERO };
     assert_eq!(found_by_ray(&tree, &path, 2.0).len(), 1);
 }
 

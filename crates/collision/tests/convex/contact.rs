@@ -11,10 +11,7 @@ use collision::{
 };
 
 fn body(geometry: Geometry, position: DVec3) -> Body {
-    Body {
-        geometry,
-        pose: Pose::at(position),
-    }
+    Body { geometry, pose: Pose::at(position) }
 }
 
 fn cuboid(x: f64, y: f64, z: f64) -> Geometry {
@@ -23,21 +20,13 @@ fn cuboid(x: f64, y: f64, z: f64) -> Geometry {
 
 fn contact(a: &Body, b: &Body) -> Contact {
     let contacts = narrow::penetration(a.placed(), b.placed(), 0.0, &Accuracy::default(), &mut Work::default());
-    contacts
-        .expect("convex forms")
-        .into_iter()
-        .next()
-        .expect("they overlap")
+    contacts.expect("convex forms").into_iter().next().expect("they overlap")
 }
 
 /// The points on `a`, sorted, rounded to a millionth.
 fn places(contact: &Contact) -> Vec<[f64; 3]> {
     let round = |x: f64| (x * 1e6).round() / 1e6 + 0.0;
-    let mut places: Vec<[f64; 3]> = contact
-        .points
-        .iter()
-        .map(|p| p.point_on_a.to_array().map(round))
-        .collect();
+    let mut places: Vec<[f64; 3]> = contact.points.iter().map(|p| p.point_on_a.to_array().map(round)).collect();
     places.sort_by(|p, q| p.partial_cmp(q).expect("finite"));
     places
 }
@@ -48,29 +37,15 @@ fn a_box_on_a_floor_stands_on_its_four_corners() {
     let floor = body(cuboid(10.0, 1.0, 10.0), DVec3::new(0.0, -1.0, 0.0));
     let contact = contact(&crate_on_floor, &floor);
     assert_eq!(contact.normal_b_to_a, DVec3::Y);
-    assert_eq!(
-        places(&contact),
-        [
-            [2.5, -0.01, 1.5],
-            [2.5, -0.01, 2.5],
-            [3.5, -0.01, 1.5],
-            [3.5, -0.01, 2.5]
-        ]
-    );
+    assert_eq!(places(&contact), [[2.5, -0.01, 1.5], [2.5, -0.01, 2.5], [3.5, -0.01, 1.5], [3.5, -0.01, 2.5]]);
     assert!(contact.points.iter().all(|point| (point.depth - 0.01).abs() < 1e-14));
 }
 
 #[test]
 fn crossed_boxes_touch_in_the_corners_of_their_common_square() {
-    let (beam, other) = (
-        body(cuboid(2.0, 0.1, 0.1), DVec3::ZERO),
-        body(cuboid(0.1, 0.1, 2.0), DVec3::Y * 0.19),
-    );
+    let (beam, other) = (body(cuboid(2.0, 0.1, 0.1), DVec3::ZERO), body(cuboid(0.1, 0.1, 2.0), DVec3::Y * 0.19));
     let contact = contact(&beam, &other);
-    assert_eq!(
-        places(&contact),
-        [[-0.1, 0.1, -0.1], [-0.1, 0.1, 0.1], [0.1, 0.1, -0.1], [0.1, 0.1, 0.1]]
-    );
+    assert_eq!(places(&contact), [[-0.1, 0.1, -0.1], [-0.1, 0.1, 0.1], [0.1, 0.1, -0.1], [0.1, 0.1, 0.1]]);
 }
 
 #[test]
@@ -89,10 +64,7 @@ fn a_lying_capsule_touches_in_two_points_a_standing_one_in_one() {
 #[test]
 fn capsules_side_by_side_touch_along_their_common_length() {
     let capsule = Geometry::capsule(1.0, 0.25).expect("sizes");
-    let (a, b) = (
-        body(capsule.clone(), DVec3::ZERO),
-        body(capsule, DVec3::new(0.49, 0.5, 0.0)),
-    );
+    let (a, b) = (body(capsule.clone(), DVec3::ZERO), body(capsule, DVec3::new(0.49, 0.5, 0.0)));
     assert_eq!(places(&contact(&a, &b)), [[0.25, -0.5, 0.0], [0.25, 1.0, 0.0]]);
 }
 
@@ -106,14 +78,8 @@ fn crossed_edges_touch_in_one_point() {
     assert_eq!(contact.points.len(), 1);
     assert!((contact.depth - 0.01).abs() < 1e-14);
     let point = contact.points[0];
-    assert!(
-        (point.point_on_a - DVec3::Y * 0.02f64.sqrt()).length() < 1e-14,
-        "{point:?}"
-    );
-    assert!(
-        (point.point_on_b - DVec3::Y * (0.02f64.sqrt() - 0.01)).length() < 1e-14,
-        "{point:?}"
-    );
+    assert!((point.point_on_a - DVec3::Y * 0.02f64.sqrt()).length() < 1e-14, "{point:?}");
+    assert!((point.point_on_b - DVec3::Y * (0.02f64.sqrt() - 0.01)).length() < 1e-14, "{point:?}");
 }
 
 #[test]
@@ -138,10 +104,7 @@ fn contacts_have_one_to_four_points_no_deeper_than_the_contact() {
         for contact in contacts.expect("convex forms") {
             assert!((1..=4).contains(&contact.points.len()));
             for point in &contact.points {
-                assert!(
-                    point.depth <= contact.certificate.bound.upper + 1e-13,
-                    "{point:?} {contact:?}"
-                );
+                assert!(point.depth <= contact.certificate.bound.upper + 1e-13, "{point:?} {contact:?}");
             }
         }
     }

@@ -13,41 +13,27 @@ use collision::{
 const EXACT: Accuracy = Accuracy::of(Tier::Exact);
 
 fn cube(half: f64, position: DVec3) -> Body {
-    Body {
-        geometry: Geometry::cuboid(DVec3::splat(half)).expect("a size"),
-        pose: Pose::at(position),
-    }
+    Body { geometry: Geometry::cuboid(DVec3::splat(half)).expect("a size"), pose: Pose::at(position) }
 }
 
 fn ball(radius: f64, position: DVec3) -> Body {
-    Body {
-        geometry: Geometry::sphere(radius).expect("a size"),
-        pose: Pose::at(position),
-    }
+    Body { geometry: Geometry::sphere(radius).expect("a size"), pose: Pose::at(position) }
 }
 
 fn contact(a: &Body, b: &Body) -> Contact {
     let contacts = narrow::penetration(a.placed(), b.placed(), 0.0, &EXACT, &mut Work::default());
-    contacts
-        .expect("convex forms")
-        .into_iter()
-        .next()
-        .expect("they overlap")
+    contacts.expect("convex forms").into_iter().next().expect("they overlap")
 }
 
 fn distance(a: &Body, b: &Body) -> f64 {
-    narrow::distance(a.placed(), b.placed(), f64::INFINITY, &EXACT, &mut Work::default())
-        .expect("no limit")
-        .distance
+    narrow::distance(a.placed(), b.placed(), f64::INFINITY, &EXACT, &mut Work::default()).expect("no limit").distance
 }
 
 #[test]
 fn a_ball_dropped_on_a_wide_slab_lands_in_time() {
     for half in [1e3, 5e3, 1e6] {
-        let slab = Body {
-            geometry: Geometry::cuboid(DVec3::new(half, 1.0, half)).expect("a size"),
-            pose: Pose::IDENTITY,
-        };
+        let slab =
+            Body { geometry: Geometry::cuboid(DVec3::new(half, 1.0, half)).expect("a size"), pose: Pose::IDENTITY };
         let ball = ball(0.5, DVec3::new(0.3 * half, 11.5, -0.7 * half));
         let motion = Motion {
             displacement_a: DVec3::new(0.0, -20.0, 0.0),
@@ -78,10 +64,7 @@ fn concentric_forms_have_their_full_depth() {
     assert!((cubes.depth - 1.0).abs() < 1e-15);
     let balls = contact(&ball(1.0, DVec3::ONE), &ball(0.5, DVec3::ONE));
     assert!((balls.depth - 1.5).abs() < 1e-15);
-    let capsule = Body {
-        geometry: Geometry::capsule(2.0, 0.25).expect("sizes"),
-        pose: Pose::IDENTITY,
-    };
+    let capsule = Body { geometry: Geometry::capsule(2.0, 0.25).expect("sizes"), pose: Pose::IDENTITY };
     assert!((contact(&capsule, &capsule).depth - 0.5).abs() < 1e-15);
     assert!((contact(&capsule, &ball(0.5, DVec3::ZERO)).depth - 0.75).abs() < 1e-15);
 }
@@ -101,10 +84,7 @@ fn a_crumb_beside_a_mountain_is_decided() {
     let mountain = cube(1e6, DVec3::ZERO);
     let crumb = ball(1e-3, DVec3::new(1e6 + 2e-3, 12.0, -3.0));
     assert!((distance(&mountain, &crumb) - 1e-3).abs() < 1e-8);
-    assert_eq!(
-        narrow::overlap(mountain.placed(), crumb.placed(), &EXACT, &mut Work::default()).verdict,
-        Verdict::Miss
-    );
+    assert_eq!(narrow::overlap(mountain.placed(), crumb.placed(), &EXACT, &mut Work::default()).verdict, Verdict::Miss);
 }
 
 #[test]
@@ -116,32 +96,18 @@ fn far_from_the_origin_only_the_positions_own_rounding_is_lost() {
 
 #[test]
 fn flat_straight_and_point_like_forms_answer() {
-    let plate = Body {
-        geometry: Geometry::cuboid(DVec3::new(1.0, 0.0, 1.0)).expect("a plate"),
-        pose: Pose::IDENTITY,
-    };
-    let stick = Body {
-        geometry: Geometry::capsule(1.0, 0.0).expect("a segment"),
-        pose: Pose::at(DVec3::new(0.0, 1.5, 0.0)),
-    };
-    let point = Body {
-        geometry: Geometry::point(),
-        pose: Pose::at(DVec3::new(0.0, 0.25, 0.0)),
-    };
+    let plate = Body { geometry: Geometry::cuboid(DVec3::new(1.0, 0.0, 1.0)).expect("a plate"), pose: Pose::IDENTITY };
+    let stick =
+        Body { geometry: Geometry::capsule(1.0, 0.0).expect("a segment"), pose: Pose::at(DVec3::new(0.0, 1.5, 0.0)) };
+    let point = Body { geometry: Geometry::point(), pose: Pose::at(DVec3::new(0.0, 0.25, 0.0)) };
     assert_eq!(distance(&plate, &stick), 0.5);
     assert_eq!(distance(&plate, &point), 0.25);
     assert_eq!(distance(&stick, &point), 0.25);
-    let hull = |points: &[DVec3]| Body {
-        geometry: Geometry::hull(points).expect("points"),
-        pose: Pose::IDENTITY,
-    };
+    let hull = |points: &[DVec3]| Body { geometry: Geometry::hull(points).expect("points"), pose: Pose::IDENTITY };
     let triangle = hull(&[DVec3::ZERO, DVec3::X, DVec3::Z]);
     assert_eq!(distance(&triangle, &stick.moved(DVec3::new(0.25, 0.0, 0.25))), 0.5);
     let crossing = contact(&triangle, &stick.moved(DVec3::new(0.25, -1.25, 0.25)));
-    assert!(
-        crossing.depth > 0.0 && crossing.certificate.verdict == Verdict::Hit,
-        "{crossing:?}"
-    );
+    assert!(crossing.depth > 0.0 && crossing.certificate.verdict == Verdict::Hit, "{crossing:?}");
 }
 
 #[test]
@@ -161,12 +127,7 @@ fn no_answer_is_ever_nan_at_any_scale() {
         for contact in narrow::penetration(a.placed(), b.placed(), scale, &EXACT, work).expect("convex forms") {
             assert!(contact.certificate.bound.contains(contact.depth), "{contact:?}");
             assert!((contact.normal_b_to_a.length() - 1.0).abs() < 1e-15);
-            assert!(
-                contact
-                    .points
-                    .iter()
-                    .all(|point| point.point_on_a.is_finite() && point.point_on_b.is_finite())
-            );
+            assert!(contact.points.iter().all(|point| point.point_on_a.is_finite() && point.point_on_b.is_finite()));
         }
         assert_ne!(
             narrow::overlap(a.placed(), b.placed(), &EXACT, work).verdict,
@@ -180,19 +141,13 @@ fn no_answer_is_ever_nan_at_any_scale() {
 fn huge_hulls_answer_within_bounded_work() {
     let mut noise = Noise(13);
     let points: Vec<DVec3> = (0..20_000).map(|_| noise.vector().normalize()).collect();
-    let hull = Body {
-        geometry: Geometry::hull(&points).expect("points"),
-        pose: Pose::IDENTITY,
-    };
+    let hull = Body { geometry: Geometry::hull(&points).expect("points"), pose: Pose::IDENTITY };
     let other = hull.moved(DVec3::new(0.9, 0.3, -0.2));
     let contact = contact(&hull, &other);
     let truth = 2.0 - DVec3::new(0.9, 0.3, -0.2).length();
     assert_eq!(contact.certificate.verdict, Verdict::Hit);
     assert_eq!(contact.certificate.stop, collision::answer::Stop::Budget);
-    assert!(
-        contact.certificate.bound.lower < truth && contact.depth > truth - 0.1,
-        "{contact:?}"
-    );
+    assert!(contact.certificate.bound.lower < truth && contact.depth > truth - 0.1, "{contact:?}");
     let apart = hull.moved(DVec3::X * 3.0);
     assert!((distance(&hull, &apart) - 1.0).abs() < 0.01);
 }

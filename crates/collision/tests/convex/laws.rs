@@ -26,19 +26,13 @@ fn contact(a: &Body, b: &Body, max_gap: f64) -> Option<Contact> {
 
 fn impact(a: &Body, way_a: DVec3, b: &Body, way_b: DVec3) -> Option<ImpactTouch> {
     let (a, b): (Placed<'_>, Placed<'_>) = (a.placed(), b.placed());
-    let motion = Motion {
-        displacement_a: way_a,
-        displacement_b: way_b,
-        initial: InitialTouch::Counts,
-    };
+    let motion = Motion { displacement_a: way_a, displacement_b: way_b, initial: InitialTouch::Counts };
     narrow::linear_impact(a, b, &motion, &EXACT, &mut Work::default())
 }
 
 #[test]
 fn about_half_of_the_random_pairs_overlap() {
-    let hits = pairs(1, 2000)
-        .filter(|[a, b]| overlap(a, b).verdict == Verdict::Hit)
-        .count();
+    let hits = pairs(1, 2000).filter(|[a, b]| overlap(a, b).verdict == Verdict::Hit).count();
     assert!((600..1400).contains(&hits), "{hits} of 2000");
 }
 
@@ -87,21 +81,13 @@ fn a_rigid_motion_leaves_a_common_truth_in_both_intervals() {
         let turn = Pose::new(noise.vector() * 10.0, noise.rotation());
         let turned = |body: &Body| Body {
             geometry: body.geometry.clone(),
-            pose: Pose::new(
-                turn.transform_point(body.pose.position),
-                turn.unit_rotation() * body.pose.unit_rotation(),
-            ),
+            pose: Pose::new(turn.transform_point(body.pose.position), turn.unit_rotation() * body.pose.unit_rotation()),
         };
-        let (before, after) = (
-            distance(&a, &b).certificate.bound,
-            distance(&turned(&a), &turned(&b)).certificate.bound,
-        );
+        let (before, after) =
+            (distance(&a, &b).certificate.bound, distance(&turned(&a), &turned(&b)).certificate.bound);
         // The turned poses themselves are rounded: positions within 12 m by a few ulps.
         let slack = 1e-14;
-        assert!(
-            before.lower <= after.upper + slack && after.lower <= before.upper + slack,
-            "{before:?} {after:?}"
-        );
+        assert!(before.lower <= after.upper + slack && after.lower <= before.upper + slack, "{before:?} {after:?}");
     }
 }
 
@@ -115,11 +101,7 @@ fn distance_and_points_agree() {
             Some(normal) => {
                 let reached = answer.point_on_b + normal * answer.distance;
                 // The normal of a tiny gap is the direction of the features, the points' difference has rounding.
-                assert!(
-                    reached.distance(answer.point_on_a) < 1e-7,
-                    "{reached} {}",
-                    answer.point_on_a
-                );
+                assert!(reached.distance(answer.point_on_a) < 1e-7, "{reached} {}", answer.point_on_a);
             }
             None => assert_eq!(answer.distance, 0.0),
         }
@@ -144,11 +126,7 @@ fn the_depth_is_a_way_out_and_the_least_one() {
         let mut noise = Noise(contact.depth.to_bits());
         for _ in 0..20 {
             let elsewhere = noise.vector().normalize() * (contact.certificate.bound.lower - 1e-13).max(0.0);
-            assert_ne!(
-                overlap(&a.moved(elsewhere), &b).verdict,
-                Verdict::Miss,
-                "a shorter way out than {contact:?}"
-            );
+            assert_ne!(overlap(&a.moved(elsewhere), &b).verdict, Verdict::Miss, "a shorter way out than {contact:?}");
         }
     }
 }
@@ -170,24 +148,14 @@ fn an_impact_lies_between_a_free_and_a_touching_instant() {
         };
         hits += usize::from(touch.certificate.verdict == Verdict::Hit);
         let bound = touch.certificate.bound;
-        assert!(
-            bound.contains(touch.fraction) && bound.width() * way.length() < 1e-9,
-            "{bound:?}"
-        );
+        assert!(bound.contains(touch.fraction) && bound.width() * way.length() < 1e-9, "{bound:?}");
         assert_ne!(at(bound.upper).verdict, Verdict::Miss);
         for step in 0..50 {
             assert_ne!(at(bound.lower * f64::from(step) / 50.0 - 1e-13).verdict, Verdict::Hit);
         }
         let (a, b) = (a.moved((way + drift) * touch.fraction), b.moved(drift * touch.fraction));
-        let point = Body {
-            geometry: collision::shape::Geometry::point(),
-            pose: Pose::at(touch.point),
-        };
-        assert!(
-            distance(&point, &a).distance < 1e-9 && distance(&point, &b).distance < 1e-9,
-            "{}",
-            touch.point
-        );
+        let point = Body { geometry: collision::shape::Geometry::point(), pose: Pose::at(touch.point) };
+        assert!(distance(&point, &a).distance < 1e-9 && distance(&point, &b).distance < 1e-9, "{}", touch.point);
     }
     assert!((300..700).contains(&hits), "{hits} of 1000");
 }
@@ -197,18 +165,11 @@ fn with_the_start_ignored_convex_forms_that_touch_at_it_never_touch_again() {
     for [a, b] in pairs(8, 500) {
         let way = DVec3::new(0.3, -2.0, 0.7);
         let (first, second) = (a.placed(), b.placed());
-        let motion = Motion {
-            displacement_a: way,
-            displacement_b: DVec3::ZERO,
-            initial: InitialTouch::IsIgnored,
-        };
+        let motion = Motion { displacement_a: way, displacement_b: DVec3::ZERO, initial: InitialTouch::IsIgnored };
         let again = narrow::linear_impact(first, second, &motion, &EXACT, &mut Work::default());
         match overlap(&a, &b).verdict {
             Verdict::Hit => assert!(again.is_none()),
-            _ => assert_eq!(
-                again.map(|t| t.fraction),
-                impact(&a, way, &b, DVec3::ZERO).map(|t| t.fraction)
-            ),
+            _ => assert_eq!(again.map(|t| t.fraction), impact(&a, way, &b, DVec3::ZERO).map(|t| t.fraction)),
         }
     }
 }

@@ -33,11 +33,7 @@ impl Noise {
     pub(crate) fn convex(&mut self, kind: usize) -> Geometry {
         let form = match kind % 4 {
             0 => Geometry::sphere(self.between(0.2, 1.0)),
-            1 => Geometry::cuboid(DVec3::new(
-                self.between(0.1, 1.0),
-                self.between(0.1, 1.0),
-                self.between(0.1, 1.0),
-            )),
+            1 => Geometry::cuboid(DVec3::new(self.between(0.1, 1.0), self.between(0.1, 1.0), self.between(0.1, 1.0))),
             2 => Geometry::capsule(self.between(0.1, 1.0), self.between(0.1, 0.6)),
             _ => {
                 let points: Vec<DVec3> = (0..16).map(|_| self.vector()).collect();
@@ -57,17 +53,11 @@ pub(crate) struct Body {
 
 impl Body {
     pub(crate) fn placed(&self) -> Placed<'_> {
-        Placed {
-            geometry: &self.geometry,
-            pose: self.pose,
-        }
+        Placed { geometry: &self.geometry, pose: self.pose }
     }
 
     pub(crate) fn moved(&self, way: DVec3) -> Self {
-        Self {
-            geometry: self.geometry.clone(),
-            pose: Pose::new(self.pose.position + way, self.pose.rotation),
-        }
+        Self { geometry: self.geometry.clone(), pose: Pose::new(self.pose.position + way, self.pose.rotation) }
     }
 }
 
@@ -75,10 +65,8 @@ impl Body {
 pub(crate) fn pairs(seed: u64, count: usize) -> impl Iterator<Item = [Body; 2]> {
     let mut noise = Noise(seed);
     (0..count).map(move |i| {
-        let mut body = |kind: usize, place: DVec3| Body {
-            geometry: noise.convex(kind),
-            pose: Pose::new(place, noise.rotation()),
-        };
+        let mut body =
+            |kind: usize, place: DVec3| Body { geometry: noise.convex(kind), pose: Pose::new(place, noise.rotation()) };
         let a = body(i % 4, DVec3::ZERO);
         let b = body(i / 4 % 4, DVec3::ZERO);
         let place = noise.vector().normalize() * noise.between(0.2, 2.2);

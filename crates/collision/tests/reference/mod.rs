@@ -23,9 +23,7 @@ pub(crate) fn folder() -> Option<PathBuf> {
 /// The records of a file.
 pub(crate) fn records(folder: &Path, name: &str) -> Vec<Value> {
     let text = std::fs::read_to_string(folder.join(name)).expect("a file of records");
-    text.lines()
-        .map(|line| serde_json::from_str(line).expect("a record"))
-        .collect()
+    text.lines().map(|line| serde_json::from_str(line).expect("a record")).collect()
 }
 
 /// A mesh from an OBJ file; coordinates are rounded to f32, as the format of the data says.
@@ -36,10 +34,8 @@ pub(crate) fn mesh(folder: &Path, name: &str) -> Geometry {
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => {
-                let numbers: Vec<f64> = words
-                    .take(3)
-                    .map(|word| f64::from(word.parse::<f32>().expect("a coordinate")))
-                    .collect();
+                let numbers: Vec<f64> =
+                    words.take(3).map(|word| f64::from(word.parse::<f32>().expect("a coordinate"))).collect();
                 vertices.push(DVec3::new(numbers[0], numbers[1], numbers[2]));
             }
             Some("f") => {

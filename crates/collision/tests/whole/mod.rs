@@ -20,10 +20,7 @@ impl Numbers {
 
     /// From 0 to `limit - 1`.
     pub(crate) fn below(&mut self, limit: i128) -> i128 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let mixed = (self.0 ^ (self.0 >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         i128::from(mixed >> 8) % limit
     }

@@ -38,10 +38,7 @@ impl Scene {
     }
 
     pub(crate) fn cast(&self, geometry: &Geometry, hollow: bool) -> RayTouches {
-        let target = Placed {
-            geometry,
-            pose: self.pose(),
-        };
+        let target = Placed { geometry, pose: self.pose() };
         raycast(&self.ray(hollow), target, &Accuracy::default(), &mut Work::default())
     }
 
@@ -62,11 +59,7 @@ impl Scene {
         let times = [1, 1, 64, 1 << 14][numbers.below(4) as usize];
         let away = numbers.vector(40 * spread * times);
         let aim = numbers.vector(spread);
-        let rotation = if numbers.below(3) == 0 {
-            [0, 0, 0, 3]
-        } else {
-            [0; 4].map(|_| numbers.within(9))
-        };
+        let rotation = if numbers.below(3) == 0 { [0, 0, 0, 3] } else { [0; 4].map(|_| numbers.within(9)) };
         let rotation = if rotation == [0; 4] { [1, 2, 3, 4] } else { rotation };
         let direction = [0, 1, 2].map(|axis| aim[axis] - away[axis]);
         Self {
@@ -90,24 +83,14 @@ pub(crate) struct Tally {
 impl Tally {
     /// Compares an answer with the truth: a distance in metres, or none.
     pub(crate) fn take(&mut self, scene: &Scene, touches: RayTouches, truth: Option<f64>, reach: f64) {
-        let context = || {
-            format!(
-                "{:?} at {:?}: truth {truth:?}, {touches:?}",
-                scene.ray(false),
-                scene.pose()
-            )
-        };
+        let context = || format!("{:?} at {:?}: truth {truth:?}, {touches:?}", scene.ray(false), scene.pose());
         match (touches.certain, truth) {
             (Some(touch), Some(truth)) => {
                 self.hits += 1;
                 assert_eq!(touch.certificate.verdict, Verdict::Hit);
                 let slack = 4e-16 * truth;
                 let bound = touch.certificate.bound;
-                assert!(
-                    bound.lower - slack <= truth && truth <= bound.upper + slack,
-                    "{}",
-                    context()
-                );
+                assert!(bound.lower - slack <= truth && truth <= bound.upper + slack, "{}", context());
                 assert!(bound.contains(touch.distance), "{}", context());
             }
             (Some(_), None) => panic!("a hit that is none: {}", context()),
@@ -122,11 +105,7 @@ impl Tally {
                 }
             },
         }
-        assert!(
-            touches.certain.is_none_or(|touch| touch.point.is_finite()),
-            "{}",
-            context()
-        );
+        assert!(touches.certain.is_none_or(|touch| touch.point.is_finite()), "{}", context());
         let surface = touches.certain.map_or(0.0, |touch| {
             let ray = scene.ray(false);
             (ray.origin + ray.direction.normalize() * touch.distance - touch.point).length()
@@ -136,11 +115,7 @@ impl Tally {
     }
 
     pub(crate) fn is_not_vacuous(&self) {
-        let Self {
-            hits,
-            misses,
-            undecided,
-        } = *self;
+        let Self { hits, misses, undecided } = *self;
         let share = f64::from(hits) / f64::from(hits + misses + undecided);
         assert!((0.3..0.7).contains(&share), "{hits} hits, {misses} misses");
         assert!(undecided * 500 < hits, "{undecided} undecided of {hits} hits");

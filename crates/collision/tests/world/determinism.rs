@@ -37,28 +37,18 @@ fn by_detours(shapes: &[Shape], frame: Frame, random: &mut Random) -> World {
                 teleport: false,
             }
         });
-        world
-            .apply(moves.collect(), Time(0), EditRule::AllOrNothing)
-            .expect("a tick");
+        world.apply(moves.collect(), Time(0), EditRule::AllOrNothing).expect("a tick");
     }
     let strays = (10_000..).zip(&shuffled).map(|(number, _)| Edit::Remove(id(number)));
-    world
-        .apply(strays.collect(), Time(0), EditRule::AllOrNothing)
-        .expect("a tick");
+    world.apply(strays.collect(), Time(0), EditRule::AllOrNothing).expect("a tick");
     world
 }
 
 /// The last one is for the grid.
 const FRAMES: [Frame; 4] = [
     Frame::UNIT,
-    Frame {
-        scale: 1e-3,
-        origin: DVec3::new(1e3, -2e3, 0.0),
-    },
-    Frame {
-        scale: 1e5,
-        origin: DVec3::new(0.0, 7e8, -1e9),
-    },
+    Frame { scale: 1e-3, origin: DVec3::new(1e3, -2e3, 0.0) },
+    Frame { scale: 1e5, origin: DVec3::new(0.0, 7e8, -1e9) },
     Frame::UNIT,
 ];
 
@@ -69,23 +59,12 @@ fn answers_do_not_depend_on_what_the_world_went_through() {
     let mut asked = 0;
     for scene in 0..8 {
         let frame = FRAMES[scene as usize % 4];
-        let shapes = if scene % 4 == 3 {
-            grid_shapes()
-        } else {
-            random_shapes(&mut random, frame, 40 + scene * 15)
-        };
-        let worlds = [
-            world_of(shapes.clone()),
-            world_of(shapes.iter().rev().cloned()),
-            by_detours(&shapes, frame, &mut random),
-        ];
+        let shapes = if scene % 4 == 3 { grid_shapes() } else { random_shapes(&mut random, frame, 40 + scene * 15) };
+        let worlds =
+            [world_of(shapes.clone()), world_of(shapes.iter().rev().cloned()), by_detours(&shapes, frame, &mut random)];
         let [first, others @ ..] = worlds.map(|world| world.newest());
         for _ in 0..60 {
-            let filter = if random.unit() < 0.5 {
-                Filter::default()
-            } else {
-                random_filter(&mut random)
-            };
+            let filter = if random.unit() < 0.5 { Filter::default() } else { random_filter(&mut random) };
             for question in random_questions(&mut random, frame, shapes.len() as u64) {
                 let answer = ask(&first, &question, &filter);
                 asked += 1;
@@ -96,10 +75,7 @@ fn answers_do_not_depend_on_what_the_world_went_through() {
             }
         }
     }
-    assert!(
-        hits * 10 > asked * 3 && hits * 10 < asked * 9,
-        "vacuous: {hits} of {asked}"
-    );
+    assert!(hits * 10 > asked * 3 && hits * 10 < asked * 9, "vacuous: {hits} of {asked}");
 }
 
 /// Questions along the faces and through the corners of a grid of touching boxes, each of which is there twice.
@@ -119,11 +95,7 @@ fn ties_are_settled_by_id() {
                     mode,
                 });
                 let filter = Filter::default();
-                assert_eq!(
-                    ask(&straight, &question, &filter),
-                    ask(&reversed, &question, &filter),
-                    "{question:?}"
-                );
+                assert_eq!(ask(&straight, &question, &filter), ask(&reversed, &question, &filter), "{question:?}");
             }
         }
     }

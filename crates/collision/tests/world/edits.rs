@@ -23,10 +23,7 @@ use crate::{
 type Model = BTreeMap<ShapeId, Shape>;
 
 fn shape(number: u64, geometry: &Arc<Geometry>, position: DVec3, mobility: Mobility) -> Shape {
-    Shape {
-        mobility,
-        ..scene::shape(number, Arc::clone(geometry), Pose::at(position))
-    }
+    Shape { mobility, ..scene::shape(number, Arc::clone(geometry), Pose::at(position)) }
 }
 
 fn random_edit(random: &mut Random, geometries: &[Arc<Geometry>]) -> Edit {
@@ -47,14 +44,7 @@ fn random_edit(random: &mut Random, geometries: &[Arc<Geometry>]) -> Edit {
             let position = maybe(0.8).map(|v| v * 10.0);
             let rotation = maybe(0.5).map(|v| DQuat::from_xyzw(v.x, v.y, v.z, 1.0));
             let (velocity, angular_velocity) = (maybe(0.3), maybe(0.3));
-            Edit::Move {
-                id: id(number),
-                position,
-                rotation,
-                velocity,
-                angular_velocity,
-                teleport: random.unit() < 0.3,
-            }
+            Edit::Move { id: id(number), position, rotation, velocity, angular_velocity, teleport: random.unit() < 0.3 }
         }
         0.85..0.998 => Edit::Remove(id(number)),
         _ => Edit::Clear,
@@ -68,14 +58,7 @@ fn apply_to_model(model: &mut Model, edit: &Edit) -> Result<u64, ShapeId> {
             model.insert(shape.id, shape.clone());
             Ok(1)
         }
-        Edit::Move {
-            id,
-            position,
-            rotation,
-            velocity,
-            angular_velocity,
-            ..
-        } => {
+        Edit::Move { id, position, rotation, velocity, angular_velocity, .. } => {
             let shape = model.get_mut(id).ok_or(*id)?;
             shape.pose.position = position.unwrap_or(shape.pose.position);
             shape.pose.rotation = rotation.unwrap_or(shape.pose.rotation);
@@ -91,34 +74,20 @@ fn apply_to_model(model: &mut Model, edit: &Edit) -> Result<u64, ShapeId> {
 fn assert_equals(snapshot: &Snapshot, model: &Model) {
     assert_eq!(snapshot.len(), model.len());
     let listed = snapshot.shapes_after(None, usize::MAX, None);
-    assert_eq!(
-        format!("{listed:?}"),
-        format!("{:?}", model.values().collect::<Vec<_>>()),
-        "listing by id"
-    );
+    assert_eq!(format!("{listed:?}"), format!("{:?}", model.values().collect::<Vec<_>>()), "listing by id");
     for number in 0..700 {
         let id = id(1 + number * 37);
-        assert_eq!(
-            snapshot.shape(id).map(|shape| shape.pose),
-            model.get(&id).map(|shape| shape.pose)
-        );
+        assert_eq!(snapshot.shape(id).map(|shape| shape.pose), model.get(&id).map(|shape| shape.pose));
         let bounds = model.get(&id).map(|shape| shape.geometry.bounds(&shape.pose));
         assert_eq!(snapshot.bounds_of(id), bounds, "canonical box of {id}");
     }
     let description = snapshot.describe();
-    let static_count = model
-        .values()
-        .filter(|shape| shape.mobility == Mobility::Static)
-        .count();
+    let static_count = model.values().filter(|shape| shape.mobility == Mobility::Static).count();
     assert_eq!(description.shape_count, model.len() as u64);
     assert_eq!(description.static_count, static_count as u64);
     let boxes = model.values().map(|shape| shape.geometry.bounds(&shape.pose));
     assert_eq!(description.bounds, boxes.reduce(Aabb::union));
-    assert_eq!(
-        description.tree_depth == 0,
-        static_count == model.len(),
-        "only moving shapes are in the dynamic tree"
-    );
+    assert_eq!(description.tree_depth == 0, static_count == model.len(), "only moving shapes are in the dynamic tree");
 }
 
 fn geometries() -> Vec<Arc<Geometry>> {
@@ -140,12 +109,7 @@ fn touching(snapshot: &Snapshot, half: f64) -> Vec<u64> {
     };
     let mut go_on = || true;
     let found = snapshot
-        .overlap(
-            &question,
-            &Filter::default(),
-            &Accuracy::default(),
-            &mut Meter::new(&mut go_on),
-        )
+        .overlap(&question, &Filter::default(), &Accuracy::default(), &mut Meter::new(&mut go_on))
         .expect("an answer");
     found.hits.iter().map(|hit| hit.id.expect("a shape").get()).collect()
 }
@@ -153,15 +117,9 @@ fn touching(snapshot: &Snapshot, half: f64) -> Vec<u64> {
 /// The same by asking the kernel about every shape.
 fn touching_in_model(model: &Model, half: f64) -> Vec<u64> {
     let geometry = Geometry::cuboid(DVec3::splat(half)).expect("a box");
-    let subject = Placed {
-        geometry: &geometry,
-        pose: Pose::IDENTITY,
-    };
+    let subject = Placed { geometry: &geometry, pose: Pose::IDENTITY };
     let touches = |shape: &&Shape| {
-        let other = Placed {
-            geometry: &shape.geometry,
-            pose: shape.pose,
-        };
+        let other = Placed { geometry: &shape.geometry, pose: shape.pose };
         narrow::overlap(subject, other, &Accuracy::default(), &mut Work::default()).verdict != Verdict::Miss
     };
     model.values().filter(touches).map(|shape| shape.id.get()).collect()
@@ -177,14 +135,8 @@ fn a_world_does_what_a_map_does_and_versions_never_change() {
         let mut model = Model::new();
         let mut versions: Vec<(Arc<Snapshot>, Model, Vec<u64>)> = Vec::new();
         for batch in 0..60_i64 {
-            let edits: Vec<Edit> = (0..random.bits() % 80)
-                .map(|_| random_edit(&mut random, &geometries))
-                .collect();
-            let rule = if random.unit() < 0.2 {
-                EditRule::AllOrNothing
-            } else {
-                EditRule::LeaveOutWrong
-            };
+            let edits: Vec<Edit> = (0..random.bits() % 80).map(|_| random_edit(&mut random, &geometries)).collect();
+            let rule = if random.unit() < 0.2 { EditRule::AllOrNothing } else { EditRule::LeaveOutWrong };
             let mut draft = model.clone();
             let results: Vec<_> = edits.iter().map(|edit| apply_to_model(&mut draft, edit)).collect();
             let faults: Vec<EditFault> = (0..)
@@ -218,18 +170,10 @@ fn a_world_does_what_a_map_does_and_versions_never_change() {
         }
         for (snapshot, model, touched) in &versions {
             assert_equals(snapshot, model);
-            assert_eq!(
-                &touching(snapshot, 4.0),
-                touched,
-                "tick {} answers as it did",
-                snapshot.tick()
-            );
+            assert_eq!(&touching(snapshot, 4.0), touched, "tick {} answers as it did", snapshot.tick());
         }
     }
-    assert!(
-        changed > 4000 && fault_count > 500 && refused > 20,
-        "vacuous: {changed}, {fault_count}, {refused}"
-    );
+    assert!(changed > 4000 && fault_count > 500 && refused > 20, "vacuous: {changed}, {fault_count}, {refused}");
 }
 
 #[test]
@@ -238,20 +182,9 @@ fn time_does_not_go_back_and_may_stand_still() {
     assert_eq!(world.newest().tick().get(), 1);
     assert!(world.apply(Vec::new(), Time(5), EditRule::LeaveOutWrong).is_ok());
     assert!(world.apply(Vec::new(), Time(9), EditRule::LeaveOutWrong).is_ok());
-    let error = world
-        .apply(vec![Edit::Clear], Time(8), EditRule::LeaveOutWrong)
-        .expect_err("it goes back");
-    assert_eq!(
-        error,
-        EditError::TimeGoesBack {
-            newest: Time(9),
-            found: Time(8)
-        }
-    );
-    assert_eq!(
-        error.to_string(),
-        "time is 8 ns: it must not be before that of the newest tick, 9 ns"
-    );
+    let error = world.apply(vec![Edit::Clear], Time(8), EditRule::LeaveOutWrong).expect_err("it goes back");
+    assert_eq!(error, EditError::TimeGoesBack { newest: Time(9), found: Time(8) });
+    assert_eq!(error.to_string(), "time is 8 ns: it must not be before that of the newest tick, 9 ns");
     assert_eq!((world.newest().tick().get(), world.newest().time()), (3, Time(9)));
 }
 
@@ -260,17 +193,10 @@ fn listing_goes_on_after_an_id_and_keeps_to_bounds() {
     let geometries = geometries();
     let mut world = World::new(Time(0));
     // In falling order, so that every chunk is split in its middle.
-    let edits = (1..=1000_u64).rev().map(|number| {
-        Edit::Insert(shape(
-            number,
-            &geometries[0],
-            DVec3::X * number as f64,
-            Mobility::Dynamic,
-        ))
-    });
-    world
-        .apply(edits.collect(), Time(0), EditRule::AllOrNothing)
-        .expect("a tick");
+    let edits = (1..=1000_u64)
+        .rev()
+        .map(|number| Edit::Insert(shape(number, &geometries[0], DVec3::X * number as f64, Mobility::Dynamic)));
+    world.apply(edits.collect(), Time(0), EditRule::AllOrNothing).expect("a tick");
     let snapshot = world.newest();
     let mut pages = Vec::new();
     let mut after = None;
@@ -285,10 +211,7 @@ fn listing_goes_on_after_an_id_and_keeps_to_bounds() {
     assert_eq!(pages, (1..=1000).collect::<Vec<_>>());
     let bounds = Aabb::new(DVec3::new(100.0, -1.0, -1.0), DVec3::new(110.0, 1.0, 1.0));
     let listed = snapshot.shapes_after(Some(id(104)), 3, Some(bounds));
-    assert_eq!(
-        listed.iter().map(|shape| shape.id.get()).collect::<Vec<_>>(),
-        [105, 106, 107]
-    );
+    assert_eq!(listed.iter().map(|shape| shape.id.get()).collect::<Vec<_>>(), [105, 106, 107]);
     assert!(snapshot.shapes_after(Some(id(110)), 9, Some(bounds)).is_empty());
 }
 
@@ -300,24 +223,14 @@ fn a_world_of_static_shapes_builds_a_tree_only_when_it_is_asked() {
         |world: &World| -> Vec<&str> { world.newest().describe().built.iter().map(|built| built.name).collect() };
     assert!(built(&world).is_empty());
     let edits = (1..=50).map(|number| Edit::Insert(shape(number, &geometries[1], DVec3::ZERO, Mobility::Static)));
-    world
-        .apply(edits.collect(), Time(0), EditRule::AllOrNothing)
-        .expect("a tick");
+    world.apply(edits.collect(), Time(0), EditRule::AllOrNothing).expect("a tick");
     assert!(built(&world).is_empty(), "nobody asked");
     assert_eq!(touching(&world.newest(), 1.0).len(), 50);
     assert_eq!(built(&world), ["static_tree"]);
     let moving = Edit::Insert(shape(99, &geometries[0], DVec3::ZERO, Mobility::Dynamic));
-    world
-        .apply(vec![moving], Time(0), EditRule::AllOrNothing)
-        .expect("a tick");
-    assert_eq!(
-        built(&world),
-        ["dynamic_tree", "static_tree"],
-        "the static tree of the version before still serves"
-    );
-    world
-        .apply(vec![Edit::Remove(id(7))], Time(0), EditRule::AllOrNothing)
-        .expect("a tick");
+    world.apply(vec![moving], Time(0), EditRule::AllOrNothing).expect("a tick");
+    assert_eq!(built(&world), ["dynamic_tree", "static_tree"], "the static tree of the version before still serves");
+    world.apply(vec![Edit::Remove(id(7))], Time(0), EditRule::AllOrNothing).expect("a tick");
     assert_eq!(built(&world), ["dynamic_tree"]);
     assert_eq!(touching(&world.newest(), 1.0).len(), 50);
 }
@@ -327,23 +240,10 @@ fn a_static_shape_is_found_where_it_was_moved_to() {
     let geometries = geometries();
     // So many that they do not share a leaf of the tree.
     let shapes: Vec<Shape> = (1..=50)
-        .map(|number| {
-            shape(
-                number,
-                &geometries[1],
-                DVec3::X * (number - 1) as f64 * 10.0,
-                Mobility::Static,
-            )
-        })
+        .map(|number| shape(number, &geometries[1], DVec3::X * (number - 1) as f64 * 10.0, Mobility::Static))
         .collect();
     let mut world = World::new(Time(0));
-    world
-        .apply(
-            shapes.into_iter().map(Edit::Insert).collect(),
-            Time(0),
-            EditRule::AllOrNothing,
-        )
-        .expect("a tick");
+    world.apply(shapes.into_iter().map(Edit::Insert).collect(), Time(0), EditRule::AllOrNothing).expect("a tick");
     let before = world.newest();
     assert_eq!(touching(&before, 1.0), [1], "its tree is built");
     let come = Edit::Move {
@@ -354,9 +254,7 @@ fn a_static_shape_is_found_where_it_was_moved_to() {
         angular_velocity: None,
         teleport: false,
     };
-    world
-        .apply(vec![come], Time(0), EditRule::AllOrNothing)
-        .expect("a tick");
+    world.apply(vec![come], Time(0), EditRule::AllOrNothing).expect("a tick");
     assert_eq!(touching(&world.newest(), 1.0), [1, 50]);
     assert_eq!(touching(&before, 1.0), [1]);
 }
@@ -374,11 +272,7 @@ fn a_shape_replaced_whole_keeps_nothing_and_ids_are_used_again() {
         Time(0),
         EditRule::AllOrNothing,
     );
-    assert_eq!(
-        report.expect("a tick").changed_count,
-        2,
-        "what is gone is no error and no change"
-    );
+    assert_eq!(report.expect("a tick").changed_count, 2, "what is gone is no error and no change");
     let newest = world.newest();
     assert_eq!(format!("{:?}", newest.shape(id(3))), format!("{:?}", Some(&second)));
     assert_eq!(newest.describe().static_count, 0);

@@ -22,36 +22,21 @@ fn ball() -> Arc<Geometry> {
 
 /// Balls of radius 1 in a row: number `n` at x = 3 n, where nothing touches.
 fn row(count: u64) -> Vec<Shape> {
-    (1..=count)
-        .map(|number| shape(number, ball(), Pose::at(DVec3::X * (3 * number) as f64)))
-        .collect()
+    (1..=count).map(|number| shape(number, ball(), Pose::at(DVec3::X * (3 * number) as f64))).collect()
 }
 
 fn everything() -> Subject {
-    Subject::Geometry {
-        geometry: Arc::new(Geometry::sphere(1e6).expect("a sphere")),
-        pose: Pose::IDENTITY,
-    }
+    Subject::Geometry { geometry: Arc::new(Geometry::sphere(1e6).expect("a sphere")), pose: Pose::IDENTITY }
 }
 
 fn overlap(snapshot: &Snapshot, subject: Subject, filter: &Filter, max_hits: usize) -> Found<OverlapHit> {
-    let question = Overlap {
-        subject,
-        against: None,
-        max_hits,
-    };
+    let question = Overlap { subject, against: None, max_hits };
     let mut go_on = || true;
-    snapshot
-        .overlap(&question, filter, &Accuracy::default(), &mut Meter::new(&mut go_on))
-        .expect("an answer")
+    snapshot.overlap(&question, filter, &Accuracy::default(), &mut Meter::new(&mut go_on)).expect("an answer")
 }
 
 fn seen(snapshot: &Snapshot, subject: Subject, filter: &Filter) -> Vec<u64> {
-    overlap(snapshot, subject, filter, 1000)
-        .hits
-        .iter()
-        .map(|hit| hit.id.expect("a shape").get())
-        .collect()
+    overlap(snapshot, subject, filter, 1000).hits.iter().map(|hit| hit.id.expect("a shape").get()).collect()
 }
 
 #[test]
@@ -62,16 +47,8 @@ fn masks_must_agree_on_both_sides() {
     (shapes[2].layers, shapes[2].collides_with) = (0b01, 0b10);
     (shapes[3].layers, shapes[3].collides_with) = (0, u32::MAX);
     let snapshot = world_of(shapes).newest();
-    let filter = |layers, collides_with| Filter {
-        layers,
-        collides_with,
-        ..Filter::default()
-    };
-    assert_eq!(
-        seen(&snapshot, everything(), &filter(None, None)),
-        [1, 2, 3],
-        "a shape on no layer is never seen"
-    );
+    let filter = |layers, collides_with| Filter { layers, collides_with, ..Filter::default() };
+    assert_eq!(seen(&snapshot, everything(), &filter(None, None)), [1, 2, 3], "a shape on no layer is never seen");
     assert_eq!(seen(&snapshot, everything(), &filter(Some(0b01), None)), [1, 2]);
     assert_eq!(seen(&snapshot, everything(), &filter(None, Some(0b01))), [1, 3]);
     assert_eq!(seen(&snapshot, everything(), &filter(Some(0b10), Some(0b10))), [2]);
@@ -90,21 +67,9 @@ fn an_asker_of_the_world_brings_its_masks_and_sees_neither_itself_nor_its_group(
     let asker = |pose| Subject::Shape { id: id(1), pose };
     let snapshot = world_of(shapes).newest();
     assert_eq!(seen(&snapshot, asker(None), &Filter::default()), [5]);
-    assert_eq!(
-        seen(&snapshot, asker(Some(Pose::at(DVec3::Y))), &Filter::default()),
-        [5],
-        "nor does it elsewhere"
-    );
-    let wider = Filter {
-        layers: Some(u32::MAX),
-        collides_with: Some(u32::MAX),
-        ..Filter::default()
-    };
-    assert_eq!(
-        seen(&snapshot, asker(None), &wider),
-        [3, 4, 5],
-        "masks that are given replace its own"
-    );
+    assert_eq!(seen(&snapshot, asker(Some(Pose::at(DVec3::Y))), &Filter::default()), [5], "nor does it elsewhere");
+    let wider = Filter { layers: Some(u32::MAX), collides_with: Some(u32::MAX), ..Filter::default() };
+    assert_eq!(seen(&snapshot, asker(None), &wider), [3, 4, 5], "masks that are given replace its own");
 }
 
 #[test]
@@ -122,15 +87,8 @@ fn exclusions_exclude() {
         ..Filter::default()
     };
     assert_eq!(seen(&snapshot, everything(), &filter), [4]);
-    let no_group = Filter {
-        exclude_groups: vec![0],
-        ..Filter::default()
-    };
-    assert_eq!(
-        seen(&snapshot, everything(), &no_group),
-        [1, 2, 3, 4, 5],
-        "0 is no group"
-    );
+    let no_group = Filter { exclude_groups: vec![0], ..Filter::default() };
+    assert_eq!(seen(&snapshot, everything(), &no_group), [1, 2, 3, 4, 5], "0 is no group");
 }
 
 #[test]
@@ -138,22 +96,14 @@ fn lists_are_cut_where_asked_and_say_so() {
     let snapshot = world_of(row(6).into_iter().rev()).newest();
     let found = overlap(&snapshot, everything(), &Filter::default(), 4);
     let ids: Vec<u64> = found.hits.iter().filter_map(|hit| hit.id).map(|id| id.get()).collect();
-    assert_eq!(
-        (ids, found.truncated, found.verdict),
-        (vec![1, 2, 3, 4], true, Verdict::Hit)
-    );
+    assert_eq!((ids, found.truncated, found.verdict), (vec![1, 2, 3, 4], true, Verdict::Hit));
     assert!(!overlap(&snapshot, everything(), &Filter::default(), 6).truncated);
 
     let mut go_on = || true;
     let meter = &mut Meter::new(&mut go_on);
     let mut cast = |most| {
-        let question = Raycast {
-            ray: ray(DVec3::ZERO, DVec3::X * 1e-3),
-            mode: HitMode::All(most),
-        };
-        snapshot
-            .raycast(&question, &Filter::default(), &Accuracy::default(), meter)
-            .expect("an answer")
+        let question = Raycast { ray: ray(DVec3::ZERO, DVec3::X * 1e-3), mode: HitMode::All(most) };
+        snapshot.raycast(&question, &Filter::default(), &Accuracy::default(), meter).expect("an answer")
     };
     let found = cast(2);
     let distances: Vec<f64> = found.hits.iter().map(|hit| hit.touch.distance).collect();
@@ -170,10 +120,7 @@ fn a_sensor_blocks_nothing_unless_it_is_named() {
     let meter = &mut Meter::new(&mut go_on);
     let mut impact = |against: Option<Subject>, against_displacement| {
         let question = TimeOfImpact {
-            subject: Subject::Geometry {
-                geometry: ball(),
-                pose: Pose::IDENTITY,
-            },
+            subject: Subject::Geometry { geometry: ball(), pose: Pose::IDENTITY },
             displacement: DVec3::X * 10.0,
             against,
             against_displacement,
@@ -191,10 +138,7 @@ fn a_sensor_blocks_nothing_unless_it_is_named() {
     near(impact(None, DVec3::X), Some(2), 20, 0.4);
     let first = Subject::Shape { id: id(1), pose: None };
     near(impact(Some(first), DVec3::ZERO), Some(1), 10, 0.1);
-    let elsewhere = Subject::Geometry {
-        geometry: ball(),
-        pose: Pose::at(DVec3::X * 12.0),
-    };
+    let elsewhere = Subject::Geometry { geometry: ball(), pose: Pose::at(DVec3::X * 12.0) };
     near(impact(Some(elsewhere), DVec3::X * -10.0), None, 0, 0.5);
 }
 
@@ -205,26 +149,13 @@ fn distance_says_how_far_and_proves_that_nothing_is_nearer() {
     let meter = &mut Meter::new(&mut go_on);
     let mut nearest = |max_distance, max_hits| {
         let question = Distance {
-            subject: Subject::Geometry {
-                geometry: Arc::new(Geometry::point()),
-                pose: Pose::IDENTITY,
-            },
+            subject: Subject::Geometry { geometry: Arc::new(Geometry::point()), pose: Pose::IDENTITY },
             against: None,
             max_distance,
             max_hits,
         };
-        let found = snapshot
-            .distance(&question, &Filter::default(), &Accuracy::default(), meter)
-            .expect("an answer");
-        (
-            found.verdict,
-            found
-                .hits
-                .iter()
-                .filter_map(|hit| hit.id)
-                .map(|id| id.get())
-                .collect::<Vec<_>>(),
-        )
+        let found = snapshot.distance(&question, &Filter::default(), &Accuracy::default(), meter).expect("an answer");
+        (found.verdict, found.hits.iter().filter_map(|hit| hit.id).map(|id| id.get()).collect::<Vec<_>>())
     };
     assert_eq!(nearest(1.9, 3), (Verdict::Miss, vec![]));
     assert_eq!(nearest(5.5, 3), (Verdict::Hit, vec![1, 2]));
@@ -234,11 +165,7 @@ fn distance_says_how_far_and_proves_that_nothing_is_nearer() {
 #[test]
 fn a_question_is_called_off_when_its_caller_says_so() {
     let snapshot = world_of((1..=2000).map(|number| shape(number, ball(), Pose::IDENTITY))).newest();
-    let question = Overlap {
-        subject: everything(),
-        against: None,
-        max_hits: 10_000,
-    };
+    let question = Overlap { subject: everything(), against: None, max_hits: 10_000 };
     let mut checks = 0;
     let mut go_on = || {
         checks += 1;
@@ -248,15 +175,10 @@ fn a_question_is_called_off_when_its_caller_says_so() {
     let found = snapshot.overlap(&question, &Filter::default(), &Accuracy::default(), &mut meter);
     assert_eq!(found.expect_err("it is called off"), QuestionError::Interrupted);
     let work = meter.work;
-    assert!(
-        work.nodes_visited + work.shapes_tested <= 3 * 256,
-        "{work:?} before the third check"
-    );
+    assert!(work.nodes_visited + work.shapes_tested <= 3 * 256, "{work:?} before the third check");
     let mut go_on = || true;
     let mut meter = Meter::new(&mut go_on);
-    let found = snapshot
-        .overlap(&question, &Filter::default(), &Accuracy::default(), &mut meter)
-        .expect("an answer");
+    let found = snapshot.overlap(&question, &Filter::default(), &Accuracy::default(), &mut meter).expect("an answer");
     assert_eq!((found.hits.len(), meter.work.shapes_tested), (2000, 2000));
     assert!(meter.work.pairs_tested >= 2000 && meter.work.nodes_visited >= 2000);
 }
@@ -266,27 +188,14 @@ fn a_question_is_called_off_when_its_caller_says_so() {
 fn what_is_behind_a_wall_costs_nothing() {
     let wall = Shape {
         mobility: Mobility::Static,
-        ..shape(
-            1,
-            Arc::new(Geometry::cuboid(DVec3::new(0.1, 50.0, 50.0)).expect("a box")),
-            Pose::IDENTITY,
-        )
+        ..shape(1, Arc::new(Geometry::cuboid(DVec3::new(0.1, 50.0, 50.0)).expect("a box")), Pose::IDENTITY)
     };
     let crowd = (2..2000).map(|number| shape(number, ball(), Pose::at(DVec3::X * number as f64)));
     let snapshot = world_of(crowd.chain([wall])).newest();
-    let question = Raycast {
-        ray: ray(DVec3::X * -5.0, DVec3::X),
-        mode: HitMode::Closest,
-    };
+    let question = Raycast { ray: ray(DVec3::X * -5.0, DVec3::X), mode: HitMode::Closest };
     let mut go_on = || true;
     let mut meter = Meter::new(&mut go_on);
-    let found = snapshot
-        .raycast(&question, &Filter::default(), &Accuracy::default(), &mut meter)
-        .expect("an answer");
+    let found = snapshot.raycast(&question, &Filter::default(), &Accuracy::default(), &mut meter).expect("an answer");
     assert_eq!(found.hits.first().map(|hit| hit.id), Some(id(1)));
-    assert!(
-        meter.work.nodes_visited <= 2 && meter.work.shapes_tested == 1,
-        "{:?}",
-        meter.work
-    );
+    assert!(meter.work.nodes_visited <= 2 && meter.work.shapes_tested == 1, "{:?}", meter.work);
 }

@@ -29,24 +29,13 @@ struct Brute<'a> {
 }
 
 fn placed(shape: &Shape) -> Placed<'_> {
-    Placed {
-        geometry: &shape.geometry,
-        pose: shape.pose,
-    }
+    Placed { geometry: &shape.geometry, pose: shape.pose }
 }
 
 impl<'a> Brute<'a> {
     fn seen_by(&self, asker: Option<&Shape>) -> Vec<&'a Shape> {
-        let layers = self
-            .filter
-            .layers
-            .or(asker.map(|shape| shape.layers))
-            .unwrap_or(u32::MAX);
-        let wanted = self
-            .filter
-            .collides_with
-            .or(asker.map(|shape| shape.collides_with))
-            .unwrap_or(u32::MAX);
+        let layers = self.filter.layers.or(asker.map(|shape| shape.layers)).unwrap_or(u32::MAX);
+        let wanted = self.filter.collides_with.or(asker.map(|shape| shape.collides_with)).unwrap_or(u32::MAX);
         let seen = |shape: &&Shape| {
             let is_asker = asker.is_some_and(|asker| asker.id == shape.id);
             let is_of_group = asker.is_some_and(|asker| asker.group != 0 && asker.group == shape.group);
@@ -102,11 +91,7 @@ impl<'a> Brute<'a> {
             let Some(touch) = touch else {
                 continue;
             };
-            let list = if touch.certificate.verdict == Verdict::Hit {
-                &mut certain
-            } else {
-                &mut undecided
-            };
+            let list = if touch.certificate.verdict == Verdict::Hit { &mut certain } else { &mut undecided };
             list.push((touch.fraction, shape.id));
         }
         (sorted(certain), sorted(undecided))
@@ -118,10 +103,7 @@ impl<'a> Brute<'a> {
         seen.sort_by_key(|shape| shape.id);
         let mut touch =
             |shape: &Shape| narrow::overlap(subject, placed(shape), &ACCURACY, &mut self.work).verdict != Verdict::Miss;
-        seen.into_iter()
-            .filter(|shape| touch(shape))
-            .map(|shape| shape.id)
-            .collect()
+        seen.into_iter().filter(|shape| touch(shape)).map(|shape| shape.id).collect()
     }
 
     /// `Err` names the first mesh that a mesh may touch.
@@ -172,10 +154,7 @@ fn assert_same(found: &Touches, expected: &[(f64, ShapeId)], tolerance: f64, wha
     assert_eq!(found.len(), expected.len(), "{found:?} for {expected:?}: {what:?}");
     for (found, expected) in found.iter().zip(expected) {
         assert_eq!(found.1, expected.1, "{what:?}");
-        assert!(
-            (found.0 - expected.0).abs() <= tolerance,
-            "{found:?} {expected:?}: {what:?}"
-        );
+        assert!((found.0 - expected.0).abs() <= tolerance, "{found:?} {expected:?}: {what:?}");
     }
 }
 
@@ -203,11 +182,7 @@ fn assert_mode<H>(
             assert_eq!(found.verdict, verdict, "{what:?}");
             if let Some(best) = certain.first() {
                 assert_same(&list[list.len() - 1..].to_vec(), &[*best], tolerance, what);
-                assert!(
-                    list[..list.len() - 1]
-                        .iter()
-                        .all(|hit| undecided.iter().any(|open| open.1 == hit.1))
-                );
+                assert!(list[..list.len() - 1].iter().all(|hit| undecided.iter().any(|open| open.1 == hit.1)));
             } else {
                 assert_same(&list, &undecided, tolerance, what);
             }
@@ -217,9 +192,7 @@ fn assert_mode<H>(
             assert!(certain.is_empty() || certain.iter().any(|hit| hit.1 == list[0].1));
         }
         HitMode::All(most) => {
-            let open = undecided
-                .into_iter()
-                .filter(|open| certain.iter().all(|hit| hit.1 != open.1));
+            let open = undecided.into_iter().filter(|open| certain.iter().all(|hit| hit.1 != open.1));
             let all = sorted(certain.iter().copied().chain(open).collect());
             assert_eq!(found.truncated, all.len() > most, "{what:?}");
             assert_same(&list, &all[..all.len().min(most)], tolerance, what);
@@ -241,9 +214,7 @@ fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> V
             found.verdict
         }
         Question::TimeOfImpact(impact) => {
-            let found = snapshot
-                .time_of_impact(impact, filter, &ACCURACY, meter)
-                .expect("an answer");
+            let found = snapshot.time_of_impact(impact, filter, &ACCURACY, meter).expect("an answer");
             let expected = brute.impacts(impact);
             let value = |hit: &collision::world::Impact| {
                 ((hit.touch.fraction, hit.id.expect("a shape")), hit.touch.certificate)
@@ -256,11 +227,7 @@ fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> V
             let mut expected = brute.overlaps(overlap);
             assert_eq!(found.truncated, expected.len() > overlap.max_hits);
             expected.truncate(overlap.max_hits);
-            assert_eq!(
-                found.hits.iter().filter_map(|hit| hit.id).collect::<Vec<_>>(),
-                expected,
-                "{question:?}"
-            );
+            assert_eq!(found.hits.iter().filter_map(|hit| hit.id).collect::<Vec<_>>(), expected, "{question:?}");
             found.verdict
         }
         Question::Penetration(penetration) => {
@@ -268,18 +235,11 @@ fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> V
             compare_contacts(found, brute, penetration, question)
         }
         Question::Distance(distance) => {
-            let found = snapshot
-                .distance(distance, filter, &ACCURACY, meter)
-                .expect("an answer");
+            let found = snapshot.distance(distance, filter, &ACCURACY, meter).expect("an answer");
             let expected = brute.distances(distance);
             let value = |hit: &collision::world::Neighbor| (hit.separation.distance, hit.id.expect("a shape"));
             let list = found.hits.iter().map(value).collect();
-            assert_same(
-                &list,
-                &expected[..expected.len().min(distance.max_hits)],
-                length,
-                question,
-            );
+            assert_same(&list, &expected[..expected.len().min(distance.max_hits)], length, question);
             found.verdict
         }
     }
@@ -295,26 +255,14 @@ fn compare_contacts(
     let expected = match brute.contacts(asked) {
         Ok(expected) => expected,
         Err(id) => {
-            assert_eq!(
-                found.expect_err("two meshes"),
-                QuestionError::NeedsDecomposition(Some(id))
-            );
+            assert_eq!(found.expect_err("two meshes"), QuestionError::NeedsDecomposition(Some(id)));
             return Verdict::Undecided;
         }
     };
     let found = found.expect("an answer");
-    let list = found
-        .hits
-        .iter()
-        .map(|hit| (-hit.depth, hit.id.expect("a shape")))
-        .collect();
+    let list = found.hits.iter().map(|hit| (-hit.depth, hit.id.expect("a shape"))).collect();
     assert_eq!(found.truncated, expected.len() > asked.max_contacts);
-    assert_same(
-        &list,
-        &expected[..expected.len().min(asked.max_contacts)],
-        length,
-        question,
-    );
+    assert_same(&list, &expected[..expected.len().min(asked.max_contacts)], length, question);
     found.verdict
 }
 
@@ -326,27 +274,15 @@ fn compare_in(frame: Frame) {
         let shapes = random_shapes(&mut random, frame, count);
         let snapshot = world_of(shapes.clone()).newest();
         for _ in 0..60 {
-            let filter = if random.unit() < 0.5 {
-                Filter::default()
-            } else {
-                random_filter(&mut random)
-            };
-            let mut brute = Brute {
-                shapes: &shapes,
-                filter: &filter,
-                frame,
-                work: Work::default(),
-            };
+            let filter = if random.unit() < 0.5 { Filter::default() } else { random_filter(&mut random) };
+            let mut brute = Brute { shapes: &shapes, filter: &filter, frame, work: Work::default() };
             asked += 1;
             for (kind, question) in random_questions(&mut random, frame, count).iter().enumerate() {
                 hits[kind] += usize::from(compare(&snapshot, &mut brute, question) == Verdict::Hit);
             }
         }
     }
-    assert!(
-        hits.iter().all(|&hits| hits * 10 > asked * 2 && hits < asked),
-        "vacuous: {hits:?} of {asked}"
-    );
+    assert!(hits.iter().all(|&hits| hits * 10 > asked * 2 && hits < asked), "vacuous: {hits:?} of {asked}");
 }
 
 #[test]
@@ -356,45 +292,26 @@ fn questions_answer_what_the_kernel_on_every_shape_answers() {
 
 #[test]
 fn so_they_do_among_small_shapes_far_out() {
-    compare_in(Frame {
-        scale: 1e-4,
-        origin: DVec3::new(1e3, 5e3, -2e3),
-    });
+    compare_in(Frame { scale: 1e-4, origin: DVec3::new(1e3, 5e3, -2e3) });
 }
 
 #[test]
 fn so_they_do_among_large_shapes_at_the_end_of_the_world() {
-    compare_in(Frame {
-        scale: 1e6,
-        origin: DVec3::new(9e11, -9e11, 5e11),
-    });
+    compare_in(Frame { scale: 1e6, origin: DVec3::new(9e11, -9e11, 5e11) });
 }
 
 #[test]
 fn a_shape_that_is_not_there_is_named() {
     let ball = Arc::new(Geometry::sphere(1.0).expect("a sphere"));
     let snapshot = world_of([shape(1, ball, Pose::IDENTITY)]).newest();
-    let (gone, there) = (
-        Subject::Shape { id: id(77), pose: None },
-        Subject::Shape { id: id(1), pose: None },
-    );
+    let (gone, there) = (Subject::Shape { id: id(77), pose: None }, Subject::Shape { id: id(1), pose: None });
     let mut go_on = || true;
     let meter = &mut Meter::new(&mut go_on);
     let mut ask = |subject: &Subject, against: &Subject| {
-        let question = Overlap {
-            subject: subject.clone(),
-            against: Some(against.clone()),
-            max_hits: 9,
-        };
-        snapshot
-            .overlap(&question, &Filter::default(), &ACCURACY, meter)
-            .map(|found| found.verdict)
+        let question = Overlap { subject: subject.clone(), against: Some(against.clone()), max_hits: 9 };
+        snapshot.overlap(&question, &Filter::default(), &ACCURACY, meter).map(|found| found.verdict)
     };
     assert_eq!(ask(&gone, &there), Err(QuestionError::SubjectNotFound(id(77))));
     assert_eq!(ask(&there, &gone), Err(QuestionError::AgainstNotFound(id(77))));
-    assert_eq!(
-        ask(&there, &there),
-        Ok(Verdict::Hit),
-        "a pair that is named is asked, be it a shape and itself"
-    );
+    assert_eq!(ask(&there, &there), Ok(Verdict::Hit), "a pair that is named is asked, be it a shape and itself");
 }

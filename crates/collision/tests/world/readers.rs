@@ -30,10 +30,8 @@ const TICKS: i64 = 400;
 const APART: DVec3 = DVec3::new(0.0, 10.0, 0.0);
 
 fn pair_at(pair: u64, geometry: &Arc<Geometry>, position: DVec3, mobility: Mobility) -> [Shape; 2] {
-    [(2 * pair + 1, position), (2 * pair + 2, position + APART)].map(|(number, position)| Shape {
-        mobility,
-        ..shape(number, Arc::clone(geometry), Pose::at(position))
-    })
+    [(2 * pair + 1, position), (2 * pair + 2, position + APART)]
+        .map(|(number, position)| Shape { mobility, ..shape(number, Arc::clone(geometry), Pose::at(position)) })
 }
 
 /// A batch that moves some pairs and replaces others, first halves before all second halves.
@@ -44,11 +42,7 @@ fn tick(random: &mut Random, geometry: &Arc<Geometry>) -> Vec<Edit> {
         match random.bits() % 4 {
             0 => {}
             1 => {
-                let mobility = if random.unit() < 0.5 {
-                    Mobility::Static
-                } else {
-                    Mobility::Dynamic
-                };
+                let mobility = if random.unit() < 0.5 { Mobility::Static } else { Mobility::Dynamic };
                 let [first, second] = pair_at(pair, geometry, position, mobility);
                 first_halves.extend([Edit::Remove(first.id), Edit::Insert(first)]);
                 second_halves.push(Edit::Insert(second));
@@ -83,33 +77,19 @@ fn assert_whole(snapshot: &Snapshot, pair: u64) {
     let accuracy = Accuracy::default();
     let mut go_on = || true;
     let meter = &mut Meter::new(&mut go_on);
-    let question = Raycast {
-        ray: ray(above, -DVec3::Y),
-        mode: HitMode::All(usize::MAX),
-    };
-    let found = snapshot
-        .raycast(&question, &filter, &accuracy, meter)
-        .expect("an answer");
+    let question = Raycast { ray: ray(above, -DVec3::Y), mode: HitMode::All(usize::MAX) };
+    let found = snapshot.raycast(&question, &filter, &accuracy, meter).expect("an answer");
     for (id, distance) in [(first, 9.5), (second, 0.0)] {
-        let hit = found
-            .hits
-            .iter()
-            .find(|hit| hit.id == id)
-            .expect("the ray goes through both");
+        let hit = found.hits.iter().find(|hit| hit.id == id).expect("the ray goes through both");
         assert!((hit.touch.distance - distance).abs() < 1e-9, "{hit:?}");
     }
     let question = Distance {
-        subject: Subject::Shape {
-            id: first,
-            pose: Some(Pose::at(above)),
-        },
+        subject: Subject::Shape { id: first, pose: Some(Pose::at(above)) },
         against: None,
         max_distance: 0.0,
         max_hits: usize::MAX,
     };
-    let found = snapshot
-        .distance(&question, &filter, &accuracy, meter)
-        .expect("an answer");
+    let found = snapshot.distance(&question, &filter, &accuracy, meter).expect("an answer");
     assert_eq!(found.verdict, Verdict::Hit);
     assert!(found.hits.iter().any(|hit| hit.id == Some(second)));
 }
@@ -120,9 +100,7 @@ fn no_reader_sees_half_a_tick() {
     let mut random = Random::new(41);
     let mut world = World::new(Time(0));
     let pairs = (0..PAIRS).flat_map(|pair| pair_at(pair, &geometry, random.vector() * 50.0, Mobility::Dynamic));
-    world
-        .apply(pairs.map(Edit::Insert).collect(), Time(0), EditRule::AllOrNothing)
-        .expect("a tick");
+    world.apply(pairs.map(Edit::Insert).collect(), Time(0), EditRule::AllOrNothing).expect("a tick");
 
     let published = Mutex::new(world.newest());
     let is_over = AtomicBool::new(false);

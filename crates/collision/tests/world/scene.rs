@@ -45,10 +45,7 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    pub(crate) const UNIT: Self = Self {
-        scale: 1.0,
-        origin: DVec3::ZERO,
-    };
+    pub(crate) const UNIT: Self = Self { scale: 1.0, origin: DVec3::ZERO };
 
     fn place(self, position: DVec3) -> DVec3 {
         position * self.scale + self.origin
@@ -57,10 +54,7 @@ impl Frame {
 
 pub(crate) fn random_pose(random: &mut Random, frame: Frame, spread: f64) -> Pose {
     let turn = random.vector();
-    Pose::new(
-        frame.place(random.vector() * spread),
-        DQuat::from_xyzw(turn.x, turn.y, turn.z, random.unit() + 0.01),
-    )
+    Pose::new(frame.place(random.vector() * spread), DQuat::from_xyzw(turn.x, turn.y, turn.z, random.unit() + 0.01))
 }
 
 pub(crate) fn random_geometry(random: &mut Random, frame: Frame) -> Arc<Geometry> {
@@ -73,10 +67,7 @@ pub(crate) fn random_geometry(random: &mut Random, frame: Frame) -> Arc<Geometry
             3 => {
                 // A roof of four triangles, open below.
                 let corners = [DVec3::Y * size.y, DVec3::X, DVec3::Z, -DVec3::X, -DVec3::Z];
-                Geometry::mesh(
-                    &corners.map(|corner| corner * size.x),
-                    &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
-                )
+                Geometry::mesh(&corners.map(|corner| corner * size.x), &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]])
             }
             _ => {
                 let points: Vec<DVec3> = (0..12).map(|_| random.vector() * size.x).collect();
@@ -152,30 +143,15 @@ pub(crate) fn ask(snapshot: &Snapshot, question: &Question, filter: &Filter) -> 
 }
 
 pub(crate) fn ray(origin: DVec3, direction: DVec3) -> Ray {
-    Ray {
-        origin,
-        direction,
-        min_distance: 0.0,
-        max_distance: 4e12,
-        hollow: false,
-    }
+    Ray { origin, direction, min_distance: 0.0, max_distance: 4e12, hollow: false }
 }
 
 pub(crate) fn random_subject(random: &mut Random, frame: Frame, shape_count: u64) -> Subject {
     let pose = random_pose(random, frame, 5.0);
     match random.bits() % 3 {
-        0 => Subject::Geometry {
-            geometry: random_geometry(random, frame),
-            pose,
-        },
-        1 => Subject::Shape {
-            id: id(1 + random.bits() % shape_count),
-            pose: Some(pose),
-        },
-        _ => Subject::Shape {
-            id: id(1 + random.bits() % shape_count),
-            pose: None,
-        },
+        0 => Subject::Geometry { geometry: random_geometry(random, frame), pose },
+        1 => Subject::Shape { id: id(1 + random.bits() % shape_count), pose: Some(pose) },
+        _ => Subject::Shape { id: id(1 + random.bits() % shape_count), pose: None },
     }
 }
 
@@ -220,11 +196,7 @@ pub(crate) fn random_questions(random: &mut Random, frame: Frame, shape_count: u
             displacement: random.vector() * 8.0 * frame.scale,
             against: None,
             against_displacement: DVec3::ZERO,
-            initial: if random.unit() < 0.3 {
-                InitialTouch::IsIgnored
-            } else {
-                InitialTouch::Counts
-            },
+            initial: if random.unit() < 0.3 { InitialTouch::IsIgnored } else { InitialTouch::Counts },
             mode: random_mode(random),
         }),
         Question::Distance(Distance {

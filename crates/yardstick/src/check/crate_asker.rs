@@ -33,20 +33,12 @@ const ACCURACY: Accuracy = Accuracy::of(Tier::Exact);
 
 impl Asker for CrateAsker {
     fn ask(&mut self, questions: &[Question]) -> Vec<Reply> {
-        questions
-            .iter()
-            .map(|question| caught(|| answer(&mut self.geometries, question)))
-            .collect()
+        questions.iter().map(|question| caught(|| answer(&mut self.geometries, question))).collect()
     }
 
     fn stage(&mut self) -> Result<Box<dyn Stage + '_>, String> {
         let world = caught(|| Ok(World::new(Time(0))))?;
-        Ok(Box::new(CrateStage {
-            world,
-            tick_count: 0,
-            kinds: HashMap::new(),
-            geometries: GeometryCache::default(),
-        }))
+        Ok(Box::new(CrateStage { world, tick_count: 0, kinds: HashMap::new(), geometries: GeometryCache::default() }))
     }
 
     fn overlapping_boxes(&mut self, set: &BoxSet) -> Result<Option<PairTally>, String> {
@@ -113,17 +105,9 @@ fn answer(cache: &mut GeometryCache, question: &Question) -> Reply {
                 narrow::penetration(a, b, *max_gap, &ACCURACY, &mut work).map_err(|error| error.to_string())?;
             let mut contacts: Vec<ContactAnswer> = contacts.iter().map(contact).collect();
             contacts.sort_by(|first, second| second.depth.total_cmp(&first.depth));
-            Ok(Answer::Penetration(
-                found_verdict(contacts.iter().map(|contact| contact.claim.verdict)),
-                contacts,
-            ))
+            Ok(Answer::Penetration(found_verdict(contacts.iter().map(|contact| contact.claim.verdict)), contacts))
         }),
-        Question::Impact {
-            a,
-            motion_a,
-            b,
-            motion_b,
-        } => {
+        Question::Impact { a, motion_a, b, motion_b } => {
             if motion_a.turns() || motion_b.turns() {
                 return Err("the crate has no question for motions that turn".to_owned());
             }
@@ -135,23 +119,12 @@ fn answer(cache: &mut GeometryCache, question: &Question) -> Reply {
                 };
                 let touch = narrow::linear_impact(a, b, &motion, &ACCURACY, &mut work);
                 let hits: Vec<ImpactAnswer> = touch.iter().map(impact).collect();
-                Ok(Answer::Impact(
-                    found_verdict(hits.iter().map(|hit| hit.claim.verdict)),
-                    hits,
-                ))
+                Ok(Answer::Impact(found_verdict(hits.iter().map(|hit| hit.claim.verdict)), hits))
             })
         }
-        Question::Raycast {
-            origin,
-            direction,
-            max_distance,
-            target,
-        } => {
+        Question::Raycast { origin, direction, max_distance, target } => {
             let geometry = cache.get(&target.form)?;
-            let target = narrow::Placed {
-                geometry: &geometry,
-                pose: pose(&target.pose),
-            };
+            let target = narrow::Placed { geometry: &geometry, pose: pose(&target.pose) };
             Ok(raycast(*origin, *direction, *max_distance, target, &mut work))
         }
     }
@@ -164,14 +137,8 @@ fn with_pair(
     ask: impl FnOnce(narrow::Placed<'_>, narrow::Placed<'_>) -> Reply,
 ) -> Reply {
     let (form_a, form_b) = (cache.get(&a.form)?, cache.get(&b.form)?);
-    let placed_a = narrow::Placed {
-        geometry: &form_a,
-        pose: pose(&a.pose),
-    };
-    let placed_b = narrow::Placed {
-        geometry: &form_b,
-        pose: pose(&b.pose),
-    };
+    let placed_a = narrow::Placed { geometry: &form_a, pose: pose(&a.pose) };
+    let placed_b = narrow::Placed { geometry: &form_b, pose: pose(&b.pose) };
     ask(placed_a, placed_b)
 }
 
@@ -182,20 +149,9 @@ fn distance(a: narrow::Placed<'_>, b: narrow::Placed<'_>, work: &mut Work) -> An
 }
 
 fn raycast(origin: DVec3, direction: DVec3, max_distance: f64, target: narrow::Placed<'_>, work: &mut Work) -> Answer {
-    let ray = narrow::Ray {
-        origin,
-        direction,
-        min_distance: 0.0,
-        max_distance,
-        hollow: false,
-    };
+    let ray = narrow::Ray { origin, direction, min_distance: 0.0, max_distance, hollow: false };
     let touches = narrow::raycast(&ray, target, &ACCURACY, work);
-    let hits: Vec<RayAnswer> = touches
-        .undecided
-        .iter()
-        .chain(&touches.certain)
-        .map(ray_touch)
-        .collect();
+    let hits: Vec<RayAnswer> = touches.undecided.iter().chain(&touches.certain).map(ray_touch).collect();
     Answer::Ray(found_verdict(hits.iter().map(|hit| hit.claim.verdict)), hits)
 }
 
@@ -218,11 +174,7 @@ fn verdict(verdict: answer::Verdict) -> Verdict {
 
 fn claim(certificate: &Certificate) -> Claim {
     let answer::Bound { lower, upper } = certificate.bound;
-    Claim {
-        verdict: verdict(certificate.verdict),
-        lower,
-        upper,
-    }
+    Claim { verdict: verdict(certificate.verdict), lower, upper }
 }
 
 fn near(separation: &narrow::Separation) -> Near {
@@ -254,11 +206,7 @@ fn impact(touch: &narrow::ImpactTouch) -> ImpactAnswer {
 }
 
 fn ray_touch(touch: &narrow::RayTouch) -> RayAnswer {
-    RayAnswer {
-        distance: touch.distance,
-        face: touch.feature.face,
-        claim: claim(&touch.certificate),
-    }
+    RayAnswer { distance: touch.distance, face: touch.feature.face, claim: claim(&touch.certificate) }
 }
 
 /// A world in this process.
@@ -322,17 +270,10 @@ fn id_of(actor: u64) -> Result<ShapeId, String> {
 
 impl Stage for CrateStage {
     fn tick(&mut self, changes: &[Change]) -> Result<(), String> {
-        let edits = changes
-            .iter()
-            .map(|change| self.edit(change))
-            .collect::<Result<Vec<Edit>, String>>()?;
+        let edits = changes.iter().map(|change| self.edit(change)).collect::<Result<Vec<Edit>, String>>()?;
         self.tick_count += 1;
         let time = Time(self.tick_count);
-        caught(|| {
-            self.world
-                .apply(edits, time, EditRule::AllOrNothing)
-                .map_err(|error| error.to_string())
-        })?;
+        caught(|| self.world.apply(edits, time, EditRule::AllOrNothing).map_err(|error| error.to_string()))?;
         Ok(())
     }
 
@@ -341,18 +282,12 @@ impl Stage for CrateStage {
             Ok(snapshot) => snapshot,
             Err(reason) => return actors.iter().map(|_| Err(reason.clone())).collect(),
         };
-        actors
-            .iter()
-            .map(|&actor| caught(|| neighbors_of(&snapshot, actor, limit)))
-            .collect()
+        actors.iter().map(|&actor| caught(|| neighbors_of(&snapshot, actor, limit))).collect()
     }
 
     fn contacts(&mut self, actor: u64) -> Result<Vec<(u64, ContactAnswer)>, String> {
         let question = world::Penetration {
-            subject: Subject::Shape {
-                id: id_of(actor)?,
-                pose: None,
-            },
+            subject: Subject::Shape { id: id_of(actor)?, pose: None },
             against: None,
             max_gap: 0.0,
             max_contacts: MOST_HITS,
@@ -375,10 +310,7 @@ impl Stage for CrateStage {
 
 fn neighbors_of(snapshot: &Snapshot, actor: u64, limit: f64) -> Neighbors {
     let question = world::Distance {
-        subject: Subject::Shape {
-            id: id_of(actor)?,
-            pose: None,
-        },
+        subject: Subject::Shape { id: id_of(actor)?, pose: None },
         against: None,
         max_distance: limit,
         max_hits: MOST_HITS,
@@ -386,9 +318,5 @@ fn neighbors_of(snapshot: &Snapshot, actor: u64, limit: f64) -> Neighbors {
     let mut go_on = || true;
     let found = snapshot.distance(&question, &Filter::default(), &ACCURACY, &mut Meter::new(&mut go_on));
     let found = found.map_err(|error| error.to_string())?;
-    Ok(found
-        .hits
-        .iter()
-        .map(|hit| (hit.user_data, near(&hit.separation)))
-        .collect())
+    Ok(found.hits.iter().map(|hit| (hit.user_data, near(&hit.separation))).collect())
 }

@@ -82,10 +82,7 @@ impl Known {
     /// The file cannot be read, is no such list, or lists a category twice or with a count of 0.
     pub fn read(path: &Path) -> Result<Self, KnownError> {
         let shown = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| KnownError::Io {
-            path: shown.clone(),
-            source,
-        })?;
+        let text = std::fs::read_to_string(path).map_err(|source| KnownError::Io { path: shown.clone(), source })?;
         Self::parse(&text).map_err(|reason| KnownError::Format { path: shown, reason })
     }
 
@@ -93,10 +90,7 @@ impl Known {
         let known: Self = toml::from_str(text).map_err(|error| error.to_string())?;
         for (index, entry) in known.shortfall.iter().enumerate() {
             if entry.count == Count::Number(0) {
-                return Err(format!(
-                    "{} {}: a count of 0 is no shortfall",
-                    entry.file, entry.category
-                ));
+                return Err(format!("{} {}: a count of 0 is no shortfall", entry.file, entry.category));
             }
             let same = |other: &Listed| other.file == entry.file && other.category == entry.category;
             if known.shortfall[..index].iter().any(same) {
@@ -143,9 +137,7 @@ impl Known {
     /// The entry of a category, to be shown beside it.
     #[must_use]
     pub fn entry(&self, set: &str, category: &str) -> Option<&Listed> {
-        self.shortfall
-            .iter()
-            .find(|entry| entry.file == set && entry.category == category)
+        self.shortfall.iter().find(|entry| entry.file == set && entry.category == category)
     }
 }
 
@@ -165,11 +157,7 @@ mod tests {
             }
             category.add(index, outcome, Duration::ZERO, 0);
         }
-        SetReport {
-            name: "toi".to_owned(),
-            categories: [("rotating".to_owned(), category)].into(),
-            note: None,
-        }
+        SetReport { name: "toi".to_owned(), categories: [("rotating".to_owned(), category)].into(), note: None }
     }
 
     fn known(count: &str) -> Known {
@@ -190,11 +178,7 @@ mod tests {
         other.categories.clear();
         assert_eq!(known("3").compare(&other).len(), 1, "no such category");
         other.name = "other".to_owned();
-        assert_eq!(
-            known("3").compare(&other),
-            vec![],
-            "sets that were not read cannot be judged"
-        );
+        assert_eq!(known("3").compare(&other), vec![], "sets that were not read cannot be judged");
     }
 
     #[test]

@@ -25,13 +25,8 @@ pub struct CategoryReport {
     pub time: Duration,
 }
 
-const KINDS: [FaultKind; 5] = [
-    FaultKind::Verdict,
-    FaultKind::Unanswered,
-    FaultKind::Value,
-    FaultKind::Witness,
-    FaultKind::Interval,
-];
+const KINDS: [FaultKind; 5] =
+    [FaultKind::Verdict, FaultKind::Unanswered, FaultKind::Value, FaultKind::Witness, FaultKind::Interval];
 
 impl CategoryReport {
     /// Adds a record. At most `examples_max` faulty ones are kept to be shown.
@@ -53,11 +48,7 @@ impl CategoryReport {
     /// Records with a fault of this kind.
     #[must_use]
     pub fn with(&self, kind: FaultKind) -> usize {
-        KINDS
-            .iter()
-            .zip(self.by_kind)
-            .find(|(listed, _)| **listed == kind)
-            .map_or(0, |(_, count)| count)
+        KINDS.iter().zip(self.by_kind).find(|(listed, _)| **listed == kind).map_or(0, |(_, count)| count)
     }
 
     /// The largest error over scale, and the one that 99.9 % of all do not exceed; `None` if none was compared.
@@ -101,12 +92,7 @@ pub fn print_set(out: &mut dyn Write, report: &SetReport) -> io::Result<()> {
     }
     let count: usize = report.categories.values().map(|category| category.count).sum();
     let short: usize = report.categories.values().map(|category| category.short).sum();
-    writeln!(
-        out,
-        "{}: {count} records, {short} short, {}",
-        report.name,
-        milliseconds(report.time())
-    )?;
+    writeln!(out, "{}: {count} records, {short} short, {}", report.name, milliseconds(report.time()))?;
     writeln!(
         out,
         "  {:<16}{:>7}{:>12}{:>12}{:>8}{:>10}{:>7}{:>9}{:>10}{:>12}",
@@ -119,9 +105,8 @@ pub fn print_set(out: &mut dyn Write, report: &SetReport) -> io::Result<()> {
 }
 
 fn print_category(out: &mut dyn Write, name: &str, category: &CategoryReport) -> io::Result<()> {
-    let (largest, most) = category.errors().map_or(("-".to_owned(), "-".to_owned()), |(a, b)| {
-        (format!("{a:.1e}"), format!("{b:.1e}"))
-    });
+    let (largest, most) =
+        category.errors().map_or(("-".to_owned(), "-".to_owned()), |(a, b)| (format!("{a:.1e}"), format!("{b:.1e}")));
     let unanswered = category.with(FaultKind::Unanswered);
     writeln!(
         out,
@@ -151,20 +136,14 @@ mod tests {
     #[test]
     fn records_are_counted_once_and_by_kind() {
         let mut report = CategoryReport::default();
-        let mut outcome = Outcome {
-            error_over_scale: Some(0.5),
-            faults: vec![],
-        };
+        let mut outcome = Outcome { error_over_scale: Some(0.5), faults: vec![] };
         report.add(0, outcome.clone(), Duration::ZERO, 3);
         outcome.fault(FaultKind::Value, "off");
         outcome.fault(FaultKind::Interval, "misses");
         outcome.fault(FaultKind::Interval, "misses again");
         report.add(1, outcome, Duration::ZERO, 3);
         assert_eq!((report.count, report.short), (2, 1));
-        assert_eq!(
-            (report.with(FaultKind::Value), report.with(FaultKind::Interval)),
-            (1, 1)
-        );
+        assert_eq!((report.with(FaultKind::Value), report.with(FaultKind::Interval)), (1, 1));
         assert_eq!(report.with(FaultKind::Verdict), 0);
         assert_eq!(report.examples.len(), 1);
     }
@@ -173,10 +152,7 @@ mod tests {
     fn the_percentile_leaves_one_in_a_thousand_out() {
         let mut report = CategoryReport::default();
         for index in 0..2000_u32 {
-            let outcome = Outcome {
-                error_over_scale: Some(f64::from(index)),
-                faults: vec![],
-            };
+            let outcome = Outcome { error_over_scale: Some(f64::from(index)), faults: vec![] };
             report.add(u64::from(index), outcome, Duration::ZERO, 0);
         }
         assert_eq!(report.errors(), Some((1999.0, 1997.0)));

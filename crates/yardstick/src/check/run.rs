@@ -30,11 +30,7 @@ impl Conclusion {
     /// something was not understood.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
-        if self.record_count == 0 || !self.strange.is_empty() {
-            2
-        } else {
-            u8::from(!self.mismatches.is_empty())
-        }
+        if self.record_count == 0 || !self.strange.is_empty() { 2 } else { u8::from(!self.mismatches.is_empty()) }
     }
 }
 
@@ -66,14 +62,8 @@ pub fn check_folder(
             return Ok(conclusion);
         }
     };
-    conclusion
-        .strange
-        .extend(folder.strange.iter().map(ToString::to_string));
-    let mut run = Run {
-        folder: &folder,
-        hulls: None,
-        meshes: HashMap::new(),
-    };
+    conclusion.strange.extend(folder.strange.iter().map(ToString::to_string));
+    let mut run = Run { folder: &folder, hulls: None, meshes: HashMap::new() };
     for (index, set) in folder.sets.iter().enumerate() {
         (reporting.progress)(index, folder.sets.len(), &set.name);
         match run.check(set, asker, reporting.examples_max) {
@@ -109,15 +99,8 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn check(&mut self, set: &SetFile, asker: &mut dyn Asker, examples_max: usize) -> Result<SetReport, SetError> {
-        let mut report = SetReport {
-            name: set.name.clone(),
-            ..SetReport::default()
-        };
-        let mut judge = Judging {
-            report: &mut report,
-            asker,
-            examples_max,
-        };
+        let mut report = SetReport { name: set.name.clone(), ..SetReport::default() };
+        let mut judge = Judging { report: &mut report, asker, examples_max };
         match &set.kind {
             SetKind::Pairs => judge.cases(&pairs::read(&set.path, self.hulls()?)?),
             SetKind::Toi => judge.cases(&toi::read(&set.path, self.hulls()?)?),

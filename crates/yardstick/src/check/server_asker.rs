@@ -43,13 +43,7 @@ impl ServerAsker {
                 Ok((outside, client))
             })
             .map_err(|error: Error| error.to_string())?;
-        Ok(Self {
-            runtime,
-            client,
-            registered: HashMap::new(),
-            standing: None,
-            outside,
-        })
+        Ok(Self { runtime, client, registered: HashMap::new(), standing: None, outside })
     }
 
     /// The wire's form of a geometry. Hulls and meshes are registered once and named by id: the key is the address of
@@ -64,12 +58,8 @@ impl ServerAsker {
             return Ok(geometry::registered(id));
         }
         let wire = wire_geometry(form);
-        let info = self
-            .runtime
-            .block_on(register(&self.client, wire))
-            .map_err(|error| error.to_string())?;
-        self.registered
-            .insert(address, (form.clone(), info.geometry_id.clone()));
+        let info = self.runtime.block_on(register(&self.client, wire)).map_err(|error| error.to_string())?;
+        self.registered.insert(address, (form.clone(), info.geometry_id.clone()));
         Ok(geometry::registered(info.geometry_id))
     }
 
@@ -84,17 +74,11 @@ impl ServerAsker {
         match question {
             Question::Distance { a, b } => {
                 let against = Some(self.subject(b)?);
-                Ok(Asked::Distance(proto::DistanceRequest {
-                    against,
-                    ..ask::distance(self.subject(a)?)
-                }))
+                Ok(Asked::Distance(proto::DistanceRequest { against, ..ask::distance(self.subject(a)?) }))
             }
             Question::Overlap { a, b } => {
                 let against = Some(self.subject(b)?);
-                Ok(Asked::Overlap(proto::OverlapRequest {
-                    against,
-                    ..ask::overlap(self.subject(a)?)
-                }))
+                Ok(Asked::Overlap(proto::OverlapRequest { against, ..ask::overlap(self.subject(a)?) }))
             }
             Question::Penetration { a, b, max_gap } => Ok(Asked::Penetration(proto::PenetrationRequest {
                 against: Some(self.subject(b)?),
@@ -102,24 +86,14 @@ impl ServerAsker {
                 max_contacts: CONTACTS_MAX,
                 ..ask::penetration(self.subject(a)?)
             })),
-            Question::Impact {
-                a,
-                motion_a,
-                b,
-                motion_b,
-            } => Ok(Asked::TimeOfImpact(proto::TimeOfImpactRequest {
+            Question::Impact { a, motion_a, b, motion_b } => Ok(Asked::TimeOfImpact(proto::TimeOfImpactRequest {
                 subject: Some(self.subject(a)?),
                 end: Some(end_of(a, motion_a)),
                 against: Some(self.subject(b)?),
                 against_end: Some(end_of(b, motion_b)),
                 ..proto::TimeOfImpactRequest::default()
             })),
-            Question::Raycast {
-                origin,
-                direction,
-                max_distance,
-                ..
-            } => Ok(Asked::Raycast(proto::RaycastRequest {
+            Question::Raycast { origin, direction, max_distance, .. } => Ok(Asked::Raycast(proto::RaycastRequest {
                 max_distance: max_distance.is_finite().then_some(*max_distance),
                 ..ask::ray(origin.to_array(), direction.to_array())
             })),
@@ -137,13 +111,8 @@ impl ServerAsker {
         }
         let geometry = self.geometry(&target.form)?;
         let Pose { position, rotation } = target.pose;
-        let shape = shape::of(TARGET, geometry)
-            .at(position.to_array())
-            .rotated(rotation.to_array())
-            .fixed();
-        self.runtime
-            .block_on(self.client.edit([shape.insert()]))
-            .map_err(|error| error.to_string())?;
+        let shape = shape::of(TARGET, geometry).at(position.to_array()).rotated(rotation.to_array()).fixed();
+        self.runtime.block_on(self.client.edit([shape.insert()])).map_err(|error| error.to_string())?;
         self.standing = Some(wanted);
         Ok(())
     }
@@ -160,18 +129,12 @@ impl ServerAsker {
         let written: Vec<Result<Asked, String>> =
             questions.iter().map(|question| self.wire_question(question)).collect();
         let request = ask::batch(written.iter().filter_map(|asked| asked.clone().ok()));
-        let request = proto::BatchRequest {
-            options: Some(ask::exactly()),
-            ..request
-        };
+        let request = proto::BatchRequest { options: Some(ask::exactly()), ..request };
         let mut answers = match self.runtime.block_on(self.client.batch(request)) {
             Ok(response) => response.answers.into_iter(),
             Err(error) => return refuse(questions.len(), &error.to_string()),
         };
-        written
-            .into_iter()
-            .map(|asked| asked.and_then(|_| read_answer(answers.next())))
-            .collect()
+        written.into_iter().map(|asked| asked.and_then(|_| read_answer(answers.next()))).collect()
     }
 }
 
@@ -207,9 +170,7 @@ impl Asker for ServerAsker {
 impl Drop for ServerAsker {
     fn drop(&mut self) {
         // The session ends by its lease anyway if this does not arrive.
-        let _ = self
-            .runtime
-            .block_on(self.client.delete_session(proto::DeleteSessionRequest::default()));
+        let _ = self.runtime.block_on(self.client.delete_session(proto::DeleteSessionRequest::default()));
     }
 }
 
@@ -224,11 +185,7 @@ async fn register(client: &Client, geometry: proto::Geometry) -> Result<proto::G
         return client.register(geometry).await;
     }
     let pieces = upload_pieces(client.session(), geometry);
-    let response = client
-        .geometries()
-        .upload_geometry(tokio_stream::iter(pieces))
-        .await?
-        .into_inner();
+    let response = client.geometries().upload_geometry(tokio_stream::iter(pieces)).await?.into_inner();
     Ok(response.geometry.unwrap_or_default())
 }
 
@@ -250,12 +207,9 @@ fn upload_pieces(session: &str, mut geometry: proto::Geometry) -> Vec<proto::Upl
         index_count: indices.len() as u64,
     });
     let of_values = values.chunks(CHUNK_NUMBERS).map(|values| (values.to_vec(), Vec::new()));
-    let of_indices = indices
-        .chunks(CHUNK_NUMBERS)
-        .map(|indices| (Vec::new(), indices.to_vec()));
-    let chunks = of_values
-        .chain(of_indices)
-        .map(|(values, indices)| Piece::Chunk(proto::GeometryChunk { values, indices }));
+    let of_indices = indices.chunks(CHUNK_NUMBERS).map(|indices| (Vec::new(), indices.to_vec()));
+    let chunks =
+        of_values.chain(of_indices).map(|(values, indices)| Piece::Chunk(proto::GeometryChunk { values, indices }));
     let request = |piece| proto::UploadGeometryRequest {
         session: session.to_owned(),
         piece: Some(proto::GeometryPiece { piece: Some(piece) }),
@@ -280,44 +234,26 @@ pub(super) fn wire_geometry(form: &Form) -> proto::Geometry {
 fn end_of(placed: &Placed, motion: &Motion) -> proto::Pose {
     let Pose { position, rotation } = placed.pose;
     let vector = motion.rotation_vector;
-    let turned = if motion.turns() {
-        DQuat::from_scaled_axis(vector) * rotation
-    } else {
-        rotation
-    };
+    let turned = if motion.turns() { DQuat::from_scaled_axis(vector) * rotation } else { rotation };
     wire_pose(position + motion.displacement, turned)
 }
 
 pub(super) fn wire_pose(position: DVec3, rotation: DQuat) -> proto::Pose {
     let [x, y, z] = position.to_array();
-    let rotation = proto::Quat {
-        x: rotation.x,
-        y: rotation.y,
-        z: rotation.z,
-        w: rotation.w,
-    };
-    proto::Pose {
-        position: Some(proto::Vec3 { x, y, z }),
-        rotation: Some(rotation),
-    }
+    let rotation = proto::Quat { x: rotation.x, y: rotation.y, z: rotation.z, w: rotation.w };
+    proto::Pose { position: Some(proto::Vec3 { x, y, z }), rotation: Some(rotation) }
 }
 
 /// Reads an answer of the wire.
 fn read_answer(answer: Option<proto::Answer>) -> Reply {
-    let answer = answer
-        .and_then(|answer| answer.answer)
-        .ok_or("the batch has no answer to this question")?;
+    let answer = answer.and_then(|answer| answer.answer).ok_or("the batch has no answer to this question")?;
     match answer {
         answer::Answer::Distance(found) => {
             let hits = found.hits.iter().map(near).collect::<Result<_, _>>()?;
             Ok(Answer::Distance(verdict(found.verdict)?, hits))
         }
         answer::Answer::Overlap(found) => {
-            let claim = found
-                .hits
-                .first()
-                .map(|hit| claim(hit.certificate.as_ref()))
-                .transpose()?;
+            let claim = found.hits.first().map(|hit| claim(hit.certificate.as_ref())).transpose()?;
             Ok(Answer::Overlap(verdict(found.verdict)?, claim))
         }
         answer::Answer::Penetration(found) => {

@@ -38,13 +38,7 @@ impl<'a> ServerStage<'a> {
             Ok((client, writer))
         });
         let (client, writer) = opened.map_err(|error: Error| error.to_string())?;
-        Ok(Self {
-            runtime,
-            client,
-            writer,
-            tick: 0,
-            kinds: HashMap::new(),
-        })
+        Ok(Self { runtime, client, writer, tick: 0, kinds: HashMap::new() })
     }
 
     fn edit(&mut self, change: &Change) -> proto::Edit {
@@ -65,10 +59,7 @@ impl<'a> ServerStage<'a> {
     }
 
     fn options(&self) -> proto::QueryOptions {
-        proto::QueryOptions {
-            read_at: ask::seeing_tick(self.tick).read_at,
-            ..ask::exactly()
-        }
+        proto::QueryOptions { read_at: ask::seeing_tick(self.tick).read_at, ..ask::exactly() }
     }
 }
 
@@ -94,16 +85,11 @@ impl Stage for ServerStage<'_> {
                 ..ask::distance(ask::shape(shape_id(actor)))
             })
         };
-        let request = proto::BatchRequest {
-            options: Some(self.options()),
-            ..ask::batch(actors.iter().map(question))
-        };
+        let request = proto::BatchRequest { options: Some(self.options()), ..ask::batch(actors.iter().map(question)) };
         match self.runtime.block_on(self.client.batch(request)) {
-            Ok(response) if response.answers.len() == actors.len() => response
-                .answers
-                .into_iter()
-                .map(|answer| neighbors_of(answer.answer))
-                .collect(),
+            Ok(response) if response.answers.len() == actors.len() => {
+                response.answers.into_iter().map(|answer| neighbors_of(answer.answer)).collect()
+            }
             Ok(_) => vec![Err("the batch has not one answer for each question".to_owned()); actors.len()],
             Err(error) => vec![Err(error.to_string()); actors.len()],
         }
@@ -115,15 +101,8 @@ impl Stage for ServerStage<'_> {
             options: Some(self.options()),
             ..ask::penetration(ask::shape(shape_id(actor)))
         };
-        let response = self
-            .runtime
-            .block_on(self.client.penetration(request))
-            .map_err(|error| error.to_string())?;
-        response
-            .contacts
-            .iter()
-            .map(|hit| Ok((hit.user_data, contact(hit)?)))
-            .collect()
+        let response = self.runtime.block_on(self.client.penetration(request)).map_err(|error| error.to_string())?;
+        response.contacts.iter().map(|hit| Ok((hit.user_data, contact(hit)?))).collect()
     }
 }
 
@@ -138,8 +117,6 @@ fn neighbors_of(answer: Option<answer::Answer>) -> Neighbors {
 impl Drop for ServerStage<'_> {
     fn drop(&mut self) {
         // The session ends by its lease anyway if this does not arrive.
-        let _ = self
-            .runtime
-            .block_on(self.client.delete_session(proto::DeleteSessionRequest::default()));
+        let _ = self.runtime.block_on(self.client.delete_session(proto::DeleteSessionRequest::default()));
     }
 }

@@ -23,9 +23,7 @@ use crate::sets::{
 /// The form of an actor, as the format says.
 pub(super) fn actor_form(kind: ActorKind) -> Form {
     match kind {
-        ActorKind::Car => Form::Cuboid {
-            half_extents: DVec3::new(59.0, 42.0, 18.0),
-        },
+        ActorKind::Car => Form::Cuboid { half_extents: DVec3::new(59.0, 42.0, 18.0) },
         ActorKind::Ball => Form::Sphere { radius: 91.25 },
     }
 }
@@ -81,22 +79,15 @@ struct Found {
 
 fn ask_frame(stage: &mut dyn Stage, frame: &Frame, actors: &[u64]) -> Result<Found, String> {
     stage.tick(&frame.changes)?;
-    let mut found = Found {
-        near: BTreeMap::new(),
-        contacts: HashMap::new(),
-    };
+    let mut found = Found { near: BTreeMap::new(), contacts: HashMap::new() };
     let lists = stage.neighbors(actors, CLOSE);
     for (&actor, list) in actors.iter().zip(lists) {
         let list = list?;
         let overlaps = list.iter().any(|(_, near)| near.distance <= 0.0);
-        found
-            .near
-            .extend(list.into_iter().map(|(other, near)| ((actor, other), near)));
+        found.near.extend(list.into_iter().map(|(other, near)| ((actor, other), near)));
         if overlaps {
             let contacts = stage.contacts(actor)?;
-            found
-                .contacts
-                .extend(contacts.into_iter().map(|(other, contact)| ((actor, other), contact)));
+            found.contacts.extend(contacts.into_iter().map(|(other, contact)| ((actor, other), contact)));
         }
     }
     Ok(found)
@@ -112,10 +103,7 @@ fn judge_frame(frame: &Frame, found: &Found) -> Outcome {
             (Some(_), Some(contact)) => compare(&mut outcome, (a, b), -contact.depth, distance),
             // Whether a pair at the limit is in the list is for the decimals to say.
             (None, _) if distance > CLOSE - tolerance::STREAM_DECIMALS => {}
-            _ => outcome.fault(
-                FaultKind::Verdict,
-                format!("{a} and {b}: nothing found, expected {distance}"),
-            ),
+            _ => outcome.fault(FaultKind::Verdict, format!("{a} and {b}: nothing found, expected {distance}")),
         }
     }
     for (&(a, b), near) in &found.near {
@@ -123,10 +111,7 @@ fn judge_frame(frame: &Frame, found: &Found) -> Outcome {
             outcome.fault(FaultKind::Verdict, format!("{a} and {b}: {:?}", near.claim.verdict));
         }
         if !expected.contains_key(&(a, b)) && near.distance < CLOSE - tolerance::STREAM_DECIMALS {
-            outcome.fault(
-                FaultKind::Verdict,
-                format!("{a} and {b}: {} found, nothing expected", near.distance),
-            );
+            outcome.fault(FaultKind::Verdict, format!("{a} and {b}: {} found, nothing expected", near.distance));
         }
         if let Some(&distance) = expected.get(&(a, b)) {
             let slack = tolerance::STREAM_DECIMALS + tolerance::REFERENCE * FRAME_SCALE;
@@ -138,15 +123,7 @@ fn judge_frame(frame: &Frame, found: &Found) -> Outcome {
 
 fn compare(outcome: &mut Outcome, (a, b): (u64, u64), value: f64, truth: f64) {
     let tolerance = tolerance::STREAM_DECIMALS + tolerance::DISTANCE * FRAME_SCALE;
-    outcome.compare(
-        &format!("{a} and {b}:"),
-        value,
-        truth,
-        Limit {
-            tolerance,
-            scale: FRAME_SCALE,
-        },
-    );
+    outcome.compare(&format!("{a} and {b}:"), value, truth, Limit { tolerance, scale: FRAME_SCALE });
 }
 
 /// Builds a tree over boxes, asks it for the overlaps of each, and counts the pairs.
@@ -179,10 +156,7 @@ pub(super) fn pairs_of_boxes(set: &BoxSet) -> Result<PairTally, String> {
 /// Compares what was counted with what is expected.
 pub(super) fn judge_boxes(set: &BoxSet, found: Result<PairTally, String>) -> Outcome {
     let mut outcome = Outcome::default();
-    let expected = PairTally {
-        count: set.pair_count,
-        hash: set.pair_hash,
-    };
+    let expected = PairTally { count: set.pair_count, hash: set.pair_hash };
     match found {
         Err(reason) => outcome.fault(FaultKind::Unanswered, reason),
         Ok(tally) if tally != expected => {
@@ -202,11 +176,7 @@ mod tests {
     fn the_tree_counts_what_every_pair_counts() {
         let mut random = Random::new(5);
         let mut place = |low: f64, high: f64| {
-            DVec3::new(
-                random.uniform(low, high),
-                random.uniform(low, high),
-                random.uniform(low, high),
-            )
+            DVec3::new(random.uniform(low, high), random.uniform(low, high), random.uniform(low, high))
         };
         let boxes: Vec<(DVec3, DVec3)> = (0..300)
             .map(|_| {
@@ -225,16 +195,9 @@ mod tests {
             }
         }
         assert!(expected.count > 100, "{}", expected.count);
-        let set = BoxSet {
-            boxes,
-            pair_count: expected.count,
-            pair_hash: expected.hash,
-        };
+        let set = BoxSet { boxes, pair_count: expected.count, pair_hash: expected.hash };
         assert!(judge_boxes(&set, pairs_of_boxes(&set)).faults.is_empty());
-        let wrong = BoxSet {
-            pair_count: expected.count + 1,
-            ..set
-        };
+        let wrong = BoxSet { pair_count: expected.count + 1, ..set };
         assert_eq!(judge_boxes(&wrong, pairs_of_boxes(&wrong)).faults.len(), 1);
     }
 
@@ -245,40 +208,16 @@ mod tests {
             point_on_a: DVec3::ZERO,
             point_on_b: DVec3::ZERO,
             normal_b_to_a: None,
-            claim: Claim {
-                verdict: Verdict::Hit,
-                lower: distance,
-                upper: distance,
-            },
+            claim: Claim { verdict: Verdict::Hit, lower: distance, upper: distance },
         };
-        let frame = Frame {
-            number: 1,
-            changes: vec![],
-            close_pairs: vec![(0, 1, 50.0)],
-        };
+        let frame = Frame { number: 1, changes: vec![], close_pairs: vec![(0, 1, 50.0)] };
         let faults = |pairs: &[((u64, u64), f64)]| {
             let near = pairs.iter().map(|&(pair, distance)| (pair, near(distance))).collect();
-            judge_frame(
-                &frame,
-                &Found {
-                    near,
-                    contacts: HashMap::new(),
-                },
-            )
-            .faults
-            .len()
+            judge_frame(&frame, &Found { near, contacts: HashMap::new() }).faults.len()
         };
         assert_eq!(faults(&[((0, 1), 50.0), ((1, 0), 50.0)]), 0);
         assert_eq!(faults(&[((0, 1), 50.0)]), 1, "one side is missing");
-        assert_eq!(
-            faults(&[((0, 1), 50.0), ((1, 0), 50.0), ((0, 2), 60.0)]),
-            1,
-            "one pair too many"
-        );
-        assert_eq!(
-            faults(&[((0, 1), 50.1), ((1, 0), 50.0)]),
-            2,
-            "a value and its interval are off"
-        );
+        assert_eq!(faults(&[((0, 1), 50.0), ((1, 0), 50.0), ((0, 2), 60.0)]), 1, "one pair too many");
+        assert_eq!(faults(&[((0, 1), 50.1), ((1, 0), 50.0)]), 2, "a value and its interval are off");
     }
 }

@@ -9,12 +9,7 @@ use crate::sets::{Form, Placed, PointCloud};
 #[must_use]
 pub fn support_height(placed: &Placed, direction: DVec3) -> f64 {
     let local = placed.pose.matrix().transpose() * direction;
-    let highest = |points: &[DVec3]| {
-        points
-            .iter()
-            .map(|point| local.dot(*point))
-            .fold(f64::NEG_INFINITY, f64::max)
-    };
+    let highest = |points: &[DVec3]| points.iter().map(|point| local.dot(*point)).fold(f64::NEG_INFINITY, f64::max);
     match &placed.form {
         Form::Sphere { radius } => radius * direction.length(),
         Form::Capsule { half_height, radius } => half_height * local.y.abs() + radius * direction.length(),
@@ -62,9 +57,7 @@ pub fn signed_distance_lower(placed: &Placed, point: DVec3) -> f64 {
 fn farthest_plane(cloud: &PointCloud, point: DVec3) -> f64 {
     let mut farthest = f64::NEG_INFINITY;
     if cloud.points.len() <= HULL_POINTS_WITH_FACES {
-        for_each_face(&cloud.points, |normal, height| {
-            farthest = farthest.max(normal.dot(point) - height)
-        });
+        for_each_face(&cloud.points, |normal, height| farthest = farthest.max(normal.dot(point) - height));
     }
     if farthest.is_finite() {
         return farthest;
@@ -78,10 +71,7 @@ fn farthest_plane(cloud: &PointCloud, point: DVec3) -> f64 {
 }
 
 fn highest(points: &[DVec3], direction: DVec3) -> f64 {
-    points
-        .iter()
-        .map(|point| direction.dot(*point))
-        .fold(f64::NEG_INFINITY, f64::max)
+    points.iter().map(|point| direction.dot(*point)).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Calls with unit normal and height of every plane through three of the points that has all others on one side. The
@@ -119,13 +109,7 @@ mod tests {
 
     fn cube_points() -> Vec<DVec3> {
         (0..8)
-            .map(|corner| {
-                DVec3::new(
-                    f64::from(corner & 1),
-                    f64::from(corner >> 1 & 1),
-                    f64::from(corner >> 2),
-                )
-            })
+            .map(|corner| DVec3::new(f64::from(corner & 1), f64::from(corner >> 1 & 1), f64::from(corner >> 2)))
             .collect()
     }
 
@@ -135,18 +119,8 @@ mod tests {
         let hull_points = cube_points().into_iter().map(|corner| corner * 2.0 - 1.0).collect();
         let hull = Form::Hull(Arc::new(PointCloud { points: hull_points }));
         let pose = Pose::from_arrays([5.0, -3.0, 2.0], rotation);
-        let [cuboid, hull] = [
-            Form::Cuboid {
-                half_extents: DVec3::ONE,
-            },
-            hull,
-        ]
-        .map(|form| Placed { form, pose });
-        for direction in [
-            DVec3::X,
-            DVec3::new(0.6, 0.0, -0.8),
-            DVec3::new(1.0, 2.0, 3.0).normalize(),
-        ] {
+        let [cuboid, hull] = [Form::Cuboid { half_extents: DVec3::ONE }, hull].map(|form| Placed { form, pose });
+        for direction in [DVec3::X, DVec3::new(0.6, 0.0, -0.8), DVec3::new(1.0, 2.0, 3.0).normalize()] {
             let difference = support_height(&cuboid, direction) - support_height(&hull, direction);
             assert!(difference.abs() < 1e-15);
             let inside = pose.position + 0.3 * direction;
@@ -157,10 +131,7 @@ mod tests {
 
     #[test]
     fn separation_of_balls_is_their_gap() {
-        let ball = |x: f64, radius: f64| Placed {
-            form: Form::Sphere { radius },
-            pose: Pose::at(DVec3::X * x),
-        };
+        let ball = |x: f64, radius: f64| Placed { form: Form::Sphere { radius }, pose: Pose::at(DVec3::X * x) };
         assert_eq!(separation_along(&ball(0.0, 1.0), &ball(4.0, 2.0), DVec3::X), 1.0);
         assert_eq!(separation_along(&ball(0.0, 1.0), &ball(2.5, 2.0), DVec3::X), -0.5);
         assert_eq!(signed_distance_lower(&ball(0.0, 1.0), DVec3::Y * 3.0), 2.0);
@@ -168,13 +139,7 @@ mod tests {
 
     #[test]
     fn a_capsule_reaches_along_its_segment() {
-        let capsule = Placed {
-            form: Form::Capsule {
-                half_height: 2.0,
-                radius: 0.5,
-            },
-            pose: Pose::at(DVec3::ZERO),
-        };
+        let capsule = Placed { form: Form::Capsule { half_height: 2.0, radius: 0.5 }, pose: Pose::at(DVec3::ZERO) };
         assert_eq!(support_height(&capsule, DVec3::Y), 2.5);
         assert_eq!(support_height(&capsule, DVec3::X), 0.5);
         assert_eq!(signed_distance_lower(&capsule, DVec3::new(1.0, 1.0, 0.0)), 0.5);

@@ -24,18 +24,10 @@ fn nearest_on_triangle(corners: [DVec3; 3], point: DVec3) -> DVec3 {
             return point + normal * (a.dot(normal) / normal_sq);
         }
     }
-    let edges = [
-        nearest_to_origin(a, b),
-        nearest_to_origin(b, c),
-        nearest_to_origin(c, a),
-    ];
-    let nearest = edges.into_iter().fold(edges[0], |best, next| {
-        if next.length_squared() < best.length_squared() {
-            next
-        } else {
-            best
-        }
-    });
+    let edges = [nearest_to_origin(a, b), nearest_to_origin(b, c), nearest_to_origin(c, a)];
+    let nearest = edges
+        .into_iter()
+        .fold(edges[0], |best, next| if next.length_squared() < best.length_squared() { next } else { best });
     point + nearest
 }
 
@@ -85,10 +77,7 @@ mod tests {
             (DVec3::new(-3.0, -4.0, 0.0), 5.0),
             (DVec3::new(2.0 + 3.0, 2.0, 0.0), 13.0_f64.sqrt()),
         ] {
-            assert!(
-                (distance_to_triangle(CORNERS, point) - distance).abs() < 1e-15,
-                "{point}"
-            );
+            assert!((distance_to_triangle(CORNERS, point) - distance).abs() < 1e-15, "{point}");
         }
     }
 

@@ -57,11 +57,7 @@ pub fn read_sphere_casts(path: &Path, mesh: &Arc<TriangleMesh>) -> Result<Vec<Sp
         .into_iter()
         .map(|(number, line)| {
             if line.hit != line.t.is_some() {
-                return Err(SetError::line(
-                    path,
-                    number,
-                    "t must be there if hit is true, and only then",
-                ));
+                return Err(SetError::line(path, number, "t must be there if hit is true, and only then"));
             }
             Ok(SphereCastRecord {
                 index: line.i,

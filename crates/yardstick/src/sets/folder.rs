@@ -87,12 +87,7 @@ impl Folder {
             .iter()
             .filter_map(|path| file_name(path).strip_suffix(".obj").map(str::to_owned))
             .collect();
-        let mut folder = Self {
-            root: root.to_owned(),
-            mesh_names,
-            sets: Vec::new(),
-            strange: Vec::new(),
-        };
+        let mut folder = Self { root: root.to_owned(), mesh_names, sets: Vec::new(), strange: Vec::new() };
         if !root.is_dir() {
             return Err(SetError::file(root, "there is no such folder"));
         }
@@ -149,11 +144,7 @@ impl Folder {
             return;
         }
         match self.kind_of(&stem) {
-            Ok(kind) => self.sets.push(SetFile {
-                name: stem,
-                path: path.to_owned(),
-                kind,
-            }),
+            Ok(kind) => self.sets.push(SetFile { name: stem, path: path.to_owned(), kind }),
             Err(reason) => self.strange.push(SetError::file(path, reason)),
         }
     }
@@ -181,11 +172,7 @@ impl Folder {
     }
 
     fn mesh(&self, name: &str) -> Result<String, String> {
-        if self.mesh_names.contains(name) {
-            Ok(name.to_owned())
-        } else {
-            Err(format!("mesh/{name}.obj is missing"))
-        }
+        if self.mesh_names.contains(name) { Ok(name.to_owned()) } else { Err(format!("mesh/{name}.obj is missing")) }
     }
 
     /// Splits `A_B` where both sides are meshes of the folder: names may contain underscores themselves. Of several
@@ -242,9 +229,7 @@ impl Folder {
                 path: path.to_owned(),
                 kind: kind(stem.to_owned()),
             }),
-            None => self
-                .strange
-                .push(SetError::file(path, "its name does not end in _expected")),
+            None => self.strange.push(SetError::file(path, "its name does not end in _expected")),
         }
     }
 
@@ -266,10 +251,7 @@ fn list(folder: &Path) -> Result<Vec<PathBuf>, SetError> {
     if !folder.is_dir() {
         return Ok(Vec::new());
     }
-    let io = |source| SetError::Io {
-        path: folder.to_owned(),
-        source,
-    };
+    let io = |source| SetError::Io { path: folder.to_owned(), source };
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(io)? {
         let path = entry.map_err(io)?.path();
@@ -287,9 +269,7 @@ fn file_name(path: &Path) -> &str {
 
 fn jsonl_stem(path: &Path) -> Option<String> {
     let name = file_name(path);
-    name.strip_suffix(".jsonl")
-        .or_else(|| name.strip_suffix(".jsonl.gz"))
-        .map(str::to_owned)
+    name.strip_suffix(".jsonl").or_else(|| name.strip_suffix(".jsonl.gz")).map(str::to_owned)
 }
 
 #[cfg(test)]
@@ -309,47 +289,26 @@ mod tests {
     fn mesh_names_may_contain_underscores() {
         let folder = folder_with(&["a_b", "c_d"]);
         let kind = folder.kind_of("mesh_mesh_a_b_c_d");
-        assert_eq!(
-            kind,
-            Ok(SetKind::MeshMesh {
-                fixed: "a_b".to_owned(),
-                placed: "c_d".to_owned()
-            })
-        );
+        assert_eq!(kind, Ok(SetKind::MeshMesh { fixed: "a_b".to_owned(), placed: "c_d".to_owned() }));
     }
 
     #[test]
     fn the_second_mesh_may_leave_out_a_shared_prefix() {
         let folder = folder_with(&["fcl_env", "fcl_rob"]);
         let kind = folder.kind_of("mesh_mesh_fcl_env_rob");
-        assert_eq!(
-            kind,
-            Ok(SetKind::MeshMesh {
-                fixed: "fcl_env".to_owned(),
-                placed: "fcl_rob".to_owned()
-            })
-        );
+        assert_eq!(kind, Ok(SetKind::MeshMesh { fixed: "fcl_env".to_owned(), placed: "fcl_rob".to_owned() }));
     }
 
     #[test]
     fn two_readings_of_a_name_are_refused() {
         let folder = folder_with(&["a", "a_b", "b_c", "c"]);
-        assert!(
-            folder
-                .kind_of("mesh_mesh_a_b_c")
-                .is_err_and(|reason| reason.contains("2 ways"))
-        );
+        assert!(folder.kind_of("mesh_mesh_a_b_c").is_err_and(|reason| reason.contains("2 ways")));
     }
 
     #[test]
     fn unknown_names_and_missing_meshes_are_refused() {
         let folder = folder_with(&["level"]);
-        assert_eq!(
-            folder.kind_of("rays_level"),
-            Ok(SetKind::Rays {
-                mesh: "level".to_owned()
-            })
-        );
+        assert_eq!(folder.kind_of("rays_level"), Ok(SetKind::Rays { mesh: "level".to_owned() }));
         assert!(folder.kind_of("rays_other").is_err());
         assert!(folder.kind_of("box_bax").is_err());
     }

@@ -59,14 +59,8 @@ impl TriangleMesh {
     /// Lower and upper corner of the box about all triangles.
     #[must_use]
     pub fn bounds(&self) -> (DVec3, DVec3) {
-        let used = self
-            .triangles
-            .iter()
-            .flatten()
-            .map(|&vertex| self.vertices[vertex as usize]);
-        used.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), point| {
-            (min.min(point), max.max(point))
-        })
+        let used = self.triangles.iter().flatten().map(|&vertex| self.vertices[vertex as usize]);
+        used.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), point| (min.min(point), max.max(point)))
     }
 
     /// The diagonal of that box, metres.
@@ -103,19 +97,13 @@ impl Pose {
     /// Unrotated, at a place.
     #[must_use]
     pub const fn at(position: DVec3) -> Self {
-        Self {
-            position,
-            rotation: DQuat::IDENTITY,
-        }
+        Self { position, rotation: DQuat::IDENTITY }
     }
 
     /// From the numbers of a record: position and quaternion x, y, z, w.
     #[must_use]
     pub fn from_arrays(position: [f64; 3], rotation: [f64; 4]) -> Self {
-        Self {
-            position: DVec3::from_array(position),
-            rotation: DQuat::from_array(rotation),
-        }
+        Self { position: DVec3::from_array(position), rotation: DQuat::from_array(rotation) }
     }
 
     /// The rotation as a matrix: the quaternion's own polynomial over its squared length, so that nothing is rounded
@@ -170,27 +158,15 @@ impl FormRecord {
         }
         let form = match self.k.as_str() {
             "sphere" => Form::Sphere { radius: self.radius()? },
-            "capsule" => Form::Capsule {
-                half_height: self.h_as::<f64>()?,
-                radius: self.radius()?,
-            },
-            "box" => Form::Cuboid {
-                half_extents: DVec3::from_array(self.h_as::<[f64; 3]>()?),
-            },
+            "capsule" => Form::Capsule { half_height: self.h_as::<f64>()?, radius: self.radius()? },
+            "box" => Form::Cuboid { half_extents: DVec3::from_array(self.h_as::<[f64; 3]>()?) },
             "hull" => {
                 let id = self.id.as_ref().ok_or("a hull without id")?;
-                Form::Hull(
-                    hulls
-                        .get(id)
-                        .ok_or_else(|| format!("hull {id} is not in hulls.jsonl"))?,
-                )
+                Form::Hull(hulls.get(id).ok_or_else(|| format!("hull {id} is not in hulls.jsonl"))?)
             }
             kind => return Err(format!("`{kind}` is no kind of shape that is known")),
         };
-        Ok(Placed {
-            form,
-            pose: Pose::from_arrays(self.p, self.q),
-        })
+        Ok(Placed { form, pose: Pose::from_arrays(self.p, self.q) })
     }
 
     fn radius(&self) -> Result<f64, String> {
@@ -227,10 +203,7 @@ impl HullTable {
                 return Err(SetError::line(path, line, format!("hull {} has no points", record.id)));
             }
             let points = record.v.into_iter().map(DVec3::from_array).collect();
-            if by_id
-                .insert(record.id.clone(), Arc::new(PointCloud { points }))
-                .is_some()
-            {
+            if by_id.insert(record.id.clone(), Arc::new(PointCloud { points })).is_some() {
                 return Err(SetError::line(path, line, format!("hull {} is there twice", record.id)));
             }
         }
@@ -249,21 +222,13 @@ mod tests {
     use super::*;
 
     fn resolve(json: &str) -> Result<Placed, String> {
-        serde_json::from_str::<FormRecord>(json)
-            .expect("a record")
-            .resolve(&HullTable::default())
+        serde_json::from_str::<FormRecord>(json).expect("a record").resolve(&HullTable::default())
     }
 
     #[test]
     fn forms_are_told_by_their_kind() {
         let capsule = resolve(r#"{"k":"capsule","h":0.5,"r":0.25,"p":[1,2,3],"q":[0,0,0,2]}"#).expect("a capsule");
-        assert!(matches!(
-            capsule.form,
-            Form::Capsule {
-                half_height: 0.5,
-                radius: 0.25
-            }
-        ));
+        assert!(matches!(capsule.form, Form::Capsule { half_height: 0.5, radius: 0.25 }));
         assert_eq!(capsule.pose.matrix(), DMat3::IDENTITY);
         let cuboid = resolve(r#"{"k":"box","h":[1,2,3],"p":[0,0,0],"q":[0,0,0,1]}"#).expect("a box");
         assert!(matches!(cuboid.form, Form::Cuboid { half_extents } if half_extents == DVec3::new(1.0, 2.0, 3.0)));
@@ -286,11 +251,6 @@ mod tests {
     fn the_matrix_turns_as_the_quaternion_does() {
         let pose = Pose::from_arrays([0.0; 3], [0.3, -0.8, 1.1, 0.4]);
         let glam = DMat3::from_quat(pose.rotation.normalize());
-        assert!(
-            (pose.matrix() - glam)
-                .to_cols_array()
-                .iter()
-                .all(|error| error.abs() < 4e-16)
-        );
+        assert!((pose.matrix() - glam).to_cols_array().iter().all(|error| error.abs() < 4e-16));
     }
 }

@@ -12,10 +12,7 @@ use super::SetError;
 /// # Errors
 /// The file cannot be read or unpacked.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, SetError> {
-    let io = |source| SetError::Io {
-        path: path.to_owned(),
-        source,
-    };
+    let io = |source| SetError::Io { path: path.to_owned(), source };
     let mut file = File::open(path).map_err(io)?;
     let mut bytes = Vec::new();
     if path.extension().is_some_and(|extension| extension == "gz") {

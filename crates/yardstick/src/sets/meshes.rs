@@ -64,14 +64,8 @@ pub fn read(
                 index: line.i,
                 category: line.cat,
                 ambiguous: line.amb != 0,
-                a: Placed {
-                    form: Form::Mesh(Arc::clone(fixed)),
-                    pose: Pose::at(DVec3::ZERO),
-                },
-                b: Placed {
-                    form: Form::Mesh(Arc::clone(placed)),
-                    pose,
-                },
+                a: Placed { form: Form::Mesh(Arc::clone(fixed)), pose: Pose::at(DVec3::ZERO) },
+                b: Placed { form: Form::Mesh(Arc::clone(placed)), pose },
                 distance: line.d,
                 crossing_count: line.tri_pairs,
                 scale: diagonal + pose.position.length(),

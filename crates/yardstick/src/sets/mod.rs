@@ -56,18 +56,11 @@ pub enum SetError {
 impl SetError {
     /// A line that does not fit.
     pub fn line(path: impl Into<PathBuf>, line: usize, reason: impl Into<String>) -> Self {
-        Self::Line {
-            path: path.into(),
-            line,
-            reason: reason.into(),
-        }
+        Self::Line { path: path.into(), line, reason: reason.into() }
     }
 
     /// A file that does not fit.
     pub fn file(path: impl Into<PathBuf>, reason: impl Into<String>) -> Self {
-        Self::File {
-            path: path.into(),
-            reason: reason.into(),
-        }
+        Self::File { path: path.into(), reason: reason.into() }
     }
 }

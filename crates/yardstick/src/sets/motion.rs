@@ -34,10 +34,7 @@ pub fn read(path: &Path, folder: &Folder, stem: &str) -> Result<Vec<MeshPairReco
     let frames_path = folder.companion("motion", &format!("{stem}_frames.csv"))?;
     let frames = parse_frames(&frames_path, &read_text(&frames_path)?)?;
     let mesh = |number: u32| {
-        folder
-            .companion("motion", &format!("{stem}_obj{number}.obj"))
-            .and_then(|path| read_obj(&path))
-            .map(Arc::new)
+        folder.companion("motion", &format!("{stem}_obj{number}.obj")).and_then(|path| read_obj(&path)).map(Arc::new)
     };
     let meshes = [mesh(1)?, mesh(2)?];
     let diagonal = meshes[0].diagonal().max(meshes[1].diagonal());
@@ -50,18 +47,9 @@ pub fn read(path: &Path, folder: &Folder, stem: &str) -> Result<Vec<MeshPairReco
                 .ok_or_else(|| SetError::line(path, number, format!("there is no frame {}", line.frame)))?;
             let place = |side: usize| {
                 let (position, matrix) = frame[side];
-                let pose = Pose {
-                    position,
-                    rotation: quaternion_of(&matrix),
-                };
+                let pose = Pose { position, rotation: quaternion_of(&matrix) };
                 let error = frobenius(&(matrix - pose.matrix())) * meshes[side].reach();
-                (
-                    Placed {
-                        form: Form::Mesh(Arc::clone(&meshes[side])),
-                        pose,
-                    },
-                    error,
-                )
+                (Placed { form: Form::Mesh(Arc::clone(&meshes[side])), pose }, error)
             };
             let ((a, error_a), (b, error_b)) = (place(0), place(1));
             Ok(MeshPairRecord {
@@ -86,17 +74,10 @@ fn parse_frames(path: &Path, text: &str) -> Result<Vec<Frame>, SetError> {
         let numbers = line
             .split(',')
             .skip(LEADING_COLUMNS)
-            .map(|word| {
-                word.trim()
-                    .parse::<f64>()
-                    .map_err(|_| wrong(format!("`{word}` is no number")))
-            })
+            .map(|word| word.trim().parse::<f64>().map_err(|_| wrong(format!("`{word}` is no number"))))
             .collect::<Result<Vec<f64>, SetError>>()?;
         if numbers.len() != FRAME_NUMBERS {
-            return Err(wrong(format!(
-                "{FRAME_NUMBERS} numbers are needed, here are {}",
-                numbers.len()
-            )));
+            return Err(wrong(format!("{FRAME_NUMBERS} numbers are needed, here are {}", numbers.len())));
         }
         let side = |position: usize, matrix: usize| {
             let rows = &numbers[matrix..matrix + 9];
@@ -113,26 +94,10 @@ fn parse_frames(path: &Path, text: &str) -> Result<Vec<Frame>, SetError> {
 /// decimals it was written with, it is a rotation as near as those decimals.
 fn quaternion_of(m: &DMat3) -> DQuat {
     let (xx, yy, zz) = (m.x_axis.x, m.y_axis.y, m.z_axis.z);
-    let squares = [
-        1.0 + xx - yy - zz,
-        1.0 - xx + yy - zz,
-        1.0 - xx - yy + zz,
-        1.0 + xx + yy + zz,
-    ];
-    let (yz, zx, xy) = (
-        m.z_axis.y + m.y_axis.z,
-        m.x_axis.z + m.z_axis.x,
-        m.y_axis.x + m.x_axis.y,
-    );
-    let (wx, wy, wz) = (
-        m.y_axis.z - m.z_axis.y,
-        m.z_axis.x - m.x_axis.z,
-        m.x_axis.y - m.y_axis.x,
-    );
-    let largest = (0..4).fold(
-        0,
-        |best, index| if squares[index] > squares[best] { index } else { best },
-    );
+    let squares = [1.0 + xx - yy - zz, 1.0 - xx + yy - zz, 1.0 - xx - yy + zz, 1.0 + xx + yy + zz];
+    let (yz, zx, xy) = (m.z_axis.y + m.y_axis.z, m.x_axis.z + m.z_axis.x, m.y_axis.x + m.x_axis.y);
+    let (wx, wy, wz) = (m.y_axis.z - m.z_axis.y, m.z_axis.x - m.x_axis.z, m.x_axis.y - m.y_axis.x);
+    let largest = (0..4).fold(0, |best, index| if squares[index] > squares[best] { index } else { best });
     let [x, y, z, w] = match largest {
         0 => [squares[0], xy, zx, wx],
         1 => [xy, squares[1], yz, wy],
@@ -152,17 +117,9 @@ mod tests {
 
     #[test]
     fn matrices_become_quaternions_and_back() {
-        for rotation in [
-            [0.1, 0.2, 0.3, 0.9],
-            [0.9, -0.1, 0.2, 1e-9],
-            [0.0, 1.0, 0.0, 0.0],
-            [0.1, 0.2, -0.9, 0.0],
-        ] {
+        for rotation in [[0.1, 0.2, 0.3, 0.9], [0.9, -0.1, 0.2, 1e-9], [0.0, 1.0, 0.0, 0.0], [0.1, 0.2, -0.9, 0.0]] {
             let pose = Pose::from_arrays([0.0; 3], rotation);
-            let back = Pose {
-                rotation: quaternion_of(&pose.matrix()),
-                ..pose
-            };
+            let back = Pose { rotation: quaternion_of(&pose.matrix()), ..pose };
             assert!(frobenius(&(back.matrix() - pose.matrix())) < 2e-15, "{rotation:?}");
         }
     }

@@ -57,11 +57,7 @@ fn triangle(numbers: &[&str], vertex_count: usize) -> Result<[u32; 3], String> {
     let &[a, b, c] = numbers else {
         return Err(format!("a face needs three corners, here are {}", numbers.len()));
     };
-    Ok([
-        corner(a, vertex_count)?,
-        corner(b, vertex_count)?,
-        corner(c, vertex_count)?,
-    ])
+    Ok([corner(a, vertex_count)?, corner(b, vertex_count)?, corner(c, vertex_count)?])
 }
 
 /// A corner such as `7`, `7/1/2` or `-1` (the last vertex so far).
@@ -73,9 +69,7 @@ fn corner(word: &str, vertex_count: usize) -> Result<u32, String> {
     if (0..count).contains(&index) {
         u32::try_from(index).map_err(|error| error.to_string())
     } else {
-        Err(format!(
-            "corner {written} does not exist: there are {vertex_count} vertices so far"
-        ))
+        Err(format!("corner {written} does not exist: there are {vertex_count} vertices so far"))
     }
 }
 

@@ -48,8 +48,7 @@ pub fn read(path: &Path, hulls: &HullTable) -> Result<Vec<PairRecord>, SetError>
         .into_iter()
         .map(|(number, line)| {
             let resolve = |form: &FormRecord, side: &str| {
-                form.resolve(hulls)
-                    .map_err(|reason| SetError::line(path, number, format!("{side}: {reason}")))
+                form.resolve(hulls).map_err(|reason| SetError::line(path, number, format!("{side}: {reason}")))
             };
             Ok(PairRecord {
                 a: resolve(&line.a, "a")?,

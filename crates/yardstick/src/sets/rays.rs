@@ -75,10 +75,7 @@ pub fn read(path: &Path, mesh: &Arc<TriangleMesh>) -> Result<Vec<RayRecord>, Set
                 index: line.i,
                 category: line.cat,
                 ambiguous: line.amb != 0,
-                target: Placed {
-                    form: Form::Mesh(Arc::clone(mesh)),
-                    pose: Pose::at(position),
-                },
+                target: Placed { form: Form::Mesh(Arc::clone(mesh)), pose: Pose::at(position) },
                 origin,
                 direction: DVec3::from_array(line.d),
                 max_t: line.max_t.unwrap_or(f64::INFINITY),
@@ -94,11 +91,7 @@ fn truth(line: &Line) -> Result<Option<RayTruth>, String> {
         return Err("d is all zeros: it is no direction".to_owned());
     }
     match (line.hit, line.t, line.cos) {
-        (true, Some(t), Some(cos)) => Ok(Some(RayTruth {
-            t,
-            faces: line.ids.clone(),
-            cos,
-        })),
+        (true, Some(t), Some(cos)) => Ok(Some(RayTruth { t, faces: line.ids.clone(), cos })),
         (false, None, _) => Ok(None),
         _ => Err("t and cos must be there if hit is true, and t only then".to_owned()),
     }

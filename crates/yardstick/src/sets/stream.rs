@@ -69,18 +69,12 @@ pub fn read(path: &Path, folder: &Folder, stem: &str) -> Result<Vec<Frame>, SetE
 }
 
 /// The columns that matter: frame, op, actor, kind, position, quaternion.
-const COLUMNS: [&str; 12] = [
-    "frame", "time", "op", "actor", "kind", "px", "py", "pz", "qx", "qy", "qz", "qw",
-];
+const COLUMNS: [&str; 12] = ["frame", "time", "op", "actor", "kind", "px", "py", "pz", "qx", "qy", "qz", "qw"];
 
 fn parse_trace(path: &Path, text: &str) -> Result<BTreeMap<u64, Frame>, SetError> {
     let header = text.lines().next().unwrap_or_default();
     if !header.split(',').map(str::trim).take(COLUMNS.len()).eq(COLUMNS) {
-        return Err(SetError::line(
-            path,
-            1,
-            format!("the columns must begin with {}", COLUMNS.join(",")),
-        ));
+        return Err(SetError::line(path, 1, format!("the columns must begin with {}", COLUMNS.join(","))));
     }
     let mut frames = BTreeMap::new();
     let mut newest = 0;
@@ -89,19 +83,15 @@ fn parse_trace(path: &Path, text: &str) -> Result<BTreeMap<u64, Frame>, SetError
         let words: Vec<&str> = line.split(',').map(str::trim).collect();
         let number = |column: usize| -> Result<u64, SetError> {
             let word = words.get(column).copied().unwrap_or_default();
-            word.parse()
-                .map_err(|_| wrong(format!("{} is `{word}`: it must be a whole number", COLUMNS[column])))
+            word.parse().map_err(|_| wrong(format!("{} is `{word}`: it must be a whole number", COLUMNS[column])))
         };
         let frame = number(0)?;
         if frame < newest {
             return Err(wrong(format!("frame {frame} comes after frame {newest}")));
         }
         newest = frame;
-        let entry = frames.entry(frame).or_insert_with(|| Frame {
-            number: frame,
-            changes: vec![],
-            close_pairs: vec![],
-        });
+        let entry =
+            frames.entry(frame).or_insert_with(|| Frame { number: frame, changes: vec![], close_pairs: vec![] });
         let actor = number(3)?;
         match words[2] {
             // What appears has no rotation yet and counts from its first move on; an id that is used again is new.
@@ -125,21 +115,14 @@ fn moved(actor: u64, words: &[&str]) -> Result<Option<Change>, String> {
     }
     let coordinate = |column: usize| match words[column].parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(f64::from(to_f32(number))),
-        _ => Err(format!(
-            "{} is `{}`: it must be a finite number",
-            COLUMNS[column], words[column]
-        )),
+        _ => Err(format!("{} is `{}`: it must be a finite number", COLUMNS[column], words[column])),
     };
     let position = DVec3::new(coordinate(5)?, coordinate(6)?, coordinate(7)?);
     let rotation = DQuat::from_xyzw(coordinate(8)?, coordinate(9)?, coordinate(10)?, coordinate(11)?);
     if rotation.to_array() == [0.0; 4] {
         return Ok(None);
     }
-    Ok(Some(Change::Move {
-        actor,
-        kind,
-        pose: Pose { position, rotation },
-    }))
+    Ok(Some(Change::Move { actor, kind, pose: Pose { position, rotation } }))
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "the format rounds these numbers to f32")]
@@ -161,22 +144,13 @@ mod tests {
         );
         let frames = parse_trace(Path::new("t.csv"), &text).expect("a trace");
         assert_eq!(frames.keys().copied().collect::<Vec<_>>(), vec![0, 1, 2]);
-        let [
-            Change::Remove { actor: 5 },
-            Change::Move {
-                actor: 5,
-                kind: ActorKind::Ball,
-                pose,
-            },
-        ] = frames[&0].changes[..]
+        let [Change::Remove { actor: 5 }, Change::Move { actor: 5, kind: ActorKind::Ball, pose }] =
+            frames[&0].changes[..]
         else {
             panic!("{:?}", frames[&0].changes);
         };
         assert_eq!(pose.position.x, f64::from(0.1_f32));
-        assert!(
-            frames[&1].changes.is_empty(),
-            "other kinds and rows without a rotation are passed over"
-        );
+        assert!(frames[&1].changes.is_empty(), "other kinds and rows without a rotation are passed over");
         assert_eq!(frames[&2].changes, vec![Change::Remove { actor: 5 }]);
     }
 
@@ -187,9 +161,7 @@ mod tests {
             ("0,0,Q,5,ball", "op is `Q`"),
             ("0,0,M,5,ball,0,?,0,0,0,0,1", "py is `?`"),
         ] {
-            let error = parse_trace(Path::new("t.csv"), &format!("{HEADER}{row}\n"))
-                .expect_err("an error")
-                .to_string();
+            let error = parse_trace(Path::new("t.csv"), &format!("{HEADER}{row}\n")).expect_err("an error").to_string();
             assert!(error.starts_with("t.csv:2: ") && error.contains(part), "{error}");
         }
         assert!(parse_trace(Path::new("t.csv"), "a,b\n").is_err());

@@ -104,8 +104,5 @@ pub fn read(path: &Path, hulls: &HullTable) -> Result<Vec<ToiRecord>, SetError> 
 }
 
 fn motion(form: &FormRecord) -> Motion {
-    Motion {
-        displacement: DVec3::from_array(form.v),
-        rotation_vector: DVec3::from_array(form.w),
-    }
+    Motion { displacement: DVec3::from_array(form.v), rotation_vector: DVec3::from_array(form.w) }
 }

@@ -47,17 +47,9 @@ impl DynamicTree {
         if left.abs_diff(right) <= IMBALANCE_MAX {
             return;
         }
-        let (low, high) = if left < right {
-            (node.left, node.right)
-        } else {
-            (node.right, node.left)
-        };
+        let (low, high) = if left < right { (node.left, node.right) } else { (node.right, node.left) };
         let high = *self.node(high);
-        let up = if self.height(high.left) >= self.height(high.right) {
-            high.left
-        } else {
-            high.right
-        };
+        let up = if self.height(high.left) >= self.height(high.right) { high.left } else { high.right };
         self.exchange(index, low, up);
     }
 

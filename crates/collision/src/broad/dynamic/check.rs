@@ -21,14 +21,8 @@ impl DynamicTree {
             }
             let (left, right) = (self.node(node.left), self.node(node.right));
             assert_eq!(node.height, 1 + left.height.max(right.height), "height of node {index}");
-            assert!(
-                left.height.abs_diff(right.height) <= IMBALANCE_MAX,
-                "balance of node {index}"
-            );
-            assert!(
-                node.bounds.contains(left.bounds.union(right.bounds)),
-                "box of node {index}"
-            );
+            assert!(left.height.abs_diff(right.height) <= IMBALANCE_MAX, "balance of node {index}");
+            assert!(node.bounds.contains(left.bounds.union(right.bounds)), "box of node {index}");
             open.extend([(node.left, index), (node.right, index)]);
         }
         assert_eq!(leaf_count, self.leaf_count, "number of leaves");

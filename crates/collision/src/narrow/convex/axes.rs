@@ -82,12 +82,7 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
         all_axes(&mut best, &a, &b);
     } else {
         let apart = pair.a.center() - pair.b.center();
-        for axis in [
-            DVec3::X,
-            DVec3::Y,
-            DVec3::Z,
-            apart.try_normalize().unwrap_or(DVec3::ONE.normalize()),
-        ] {
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z, apart.try_normalize().unwrap_or(DVec3::ONE.normalize())] {
             best.try_axis(axis);
             best.try_axis(-axis);
         }
@@ -95,11 +90,7 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
     if best.tested == 0 {
         best.try_axis(perpendicular(a.edges.first().or(b.edges.first())));
     }
-    let lower = if is_bounded {
-        -best.highest - AXIS_LEAN
-    } else {
-        f64::NEG_INFINITY
-    };
+    let lower = if is_bounded { -best.highest - AXIS_LEAN } else { f64::NEG_INFINITY };
     Depth {
         best: -best.separation,
         lower,
@@ -209,18 +200,10 @@ fn perpendicular(edge: Option<&Edge>) -> DVec3 {
 
 fn outline(body: &Body<'_>) -> Outline {
     match body.core {
-        Core::Point => Outline {
-            normals: Vec::new(),
-            edges: Vec::new(),
-            is_solid: false,
-        },
+        Core::Point => Outline { normals: Vec::new(), edges: Vec::new(), is_solid: false },
         Core::Segment { .. } => {
             let edge = edge(body, [0, 1], body.turn(DVec3::Y), [DVec3::ZERO; 2]);
-            Outline {
-                normals: Vec::new(),
-                edges: vec![edge],
-                is_solid: false,
-            }
+            Outline { normals: Vec::new(), edges: vec![edge], is_solid: false }
         }
         Core::Cuboid { half_extents } => cuboid(body, half_extents.min_element() > 0.0),
         Core::Hull(hull) => hull_outline(body, hull),
@@ -229,11 +212,7 @@ fn outline(body: &Body<'_>) -> Outline {
 }
 
 fn edge(body: &Body<'_>, [start, end]: [u32; 2], along: DVec3, sides: [DVec3; 2]) -> Edge {
-    Edge {
-        ends: [body.corner(start), body.corner(end)],
-        along,
-        sides,
-    }
+    Edge { ends: [body.corner(start), body.corner(end)], along, sides }
 }
 
 fn cuboid(body: &Body<'_>, is_solid: bool) -> Outline {
@@ -249,30 +228,16 @@ fn cuboid(body: &Body<'_>, is_solid: bool) -> Outline {
             edges.push(edge(body, [start, start | 1 << axis], axes[axis], sides));
         }
     }
-    Outline {
-        normals: axes.iter().flat_map(|&axis| [-axis, axis]).collect(),
-        edges,
-        is_solid,
-    }
+    Outline { normals: axes.iter().flat_map(|&axis| [-axis, axis]).collect(), edges, is_solid }
 }
 
 fn hull_outline(body: &Body<'_>, hull: &Hull) -> Outline {
     let topology = hull.topology();
-    let side = |face: u32| {
-        topology
-            .faces
-            .get(face as usize)
-            .map_or(DVec3::ZERO, |face| body.turn(face.normal))
-    };
+    let side = |face: u32| topology.faces.get(face as usize).map_or(DVec3::ZERO, |face| body.turn(face.normal));
     let vertices = hull.vertices();
     let edges = topology.edges.iter().filter_map(|e| {
         let along = try_unit(vertices[e.end as usize] - vertices[e.start as usize])?;
-        Some(edge(
-            body,
-            [e.start, e.end],
-            body.turn(along),
-            [side(e.left), side(e.right)],
-        ))
+        Some(edge(body, [e.start, e.end], body.turn(along), [side(e.left), side(e.right)]))
     });
     Outline {
         edges: edges.collect(),
@@ -287,16 +252,7 @@ fn triangle(body: &Body<'_>, corners: &[DVec3; 3]) -> Outline {
     let sides = [[0, 1], [1, 2], [2, 0]];
     let edges = sides.into_iter().filter_map(|[i, j]| {
         let along = try_unit(corners[j] - corners[i])?;
-        Some(edge(
-            body,
-            [i, j].map(|corner| corner as u32),
-            body.turn(along),
-            [DVec3::ZERO; 2],
-        ))
+        Some(edge(body, [i, j].map(|corner| corner as u32), body.turn(along), [DVec3::ZERO; 2]))
     });
-    Outline {
-        edges: edges.collect(),
-        normals: normal.into_iter().flat_map(|n| [n, -n]).collect(),
-        is_solid: false,
-    }
+    Outline { edges: edges.collect(), normals: normal.into_iter().flat_map(|n| [n, -n]).collect(), is_solid: false }
 }

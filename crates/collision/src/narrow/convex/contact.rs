@@ -115,11 +115,7 @@ fn touch(pair: &Pair<'_>, budget: u32, max_gap: f64) -> Option<Touch> {
     }
     // The depth is no less than the ball around the origin that a tetrahedron of the difference holds, or, where the cores
     // may be apart, than what the gap leaves of the radii.
-    let by_gap = if gap.inside > PAIR_ROUNDING {
-        radius + gap.inside - PAIR_ROUNDING
-    } else {
-        radius - gap.upper
-    };
+    let by_gap = if gap.inside > PAIR_ROUNDING { radius + gap.inside - PAIR_ROUNDING } else { radius - gap.upper };
     let lower = (depth.lower + radius).max(by_gap).min(depth.upper + radius);
     Some(Touch {
         best: (depth.best + radius).clamp(lower, depth.upper + radius),

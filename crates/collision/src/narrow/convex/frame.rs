@@ -120,10 +120,7 @@ impl Body<'_> {
 
     /// A corner by its number.
     pub(super) fn corner(&self, index: u32) -> Corner {
-        Corner {
-            point: self.out(self.local_corner(index)),
-            index,
-        }
+        Corner { point: self.out(self.local_corner(index)), index }
     }
 
     /// How many corners the core has.
@@ -169,11 +166,7 @@ impl Body<'_> {
             Core::Segment { half_height } => DVec3::new(0.0, if index == 1 { *half_height } else { -half_height }, 0.0),
             Core::Cuboid { half_extents } => {
                 let side = |bit: u32, half: f64| if index >> bit & 1 == 1 { half } else { -half };
-                DVec3::new(
-                    side(0, half_extents.x),
-                    side(1, half_extents.y),
-                    side(2, half_extents.z),
-                )
+                DVec3::new(side(0, half_extents.x), side(1, half_extents.y), side(2, half_extents.z))
             }
             Core::Hull(hull) => hull.vertices()[index as usize],
             Core::Triangle(corners) => corners[index as usize],
@@ -202,11 +195,7 @@ fn farthest(points: &[DVec3], direction: DVec3) -> u32 {
 
 /// The rotation of `b` in the axes of `a`; exactly none where both are turned alike.
 fn relative_rotation(a: &Pose, b: &Pose) -> DMat3 {
-    if a.rotation == b.rotation {
-        DMat3::IDENTITY
-    } else {
-        a.matrix().transpose() * b.matrix()
-    }
+    if a.rotation == b.rotation { DMat3::IDENTITY } else { a.matrix().transpose() * b.matrix() }
 }
 
 /// The power of two that takes `extent` into [1, 2); 1 for 0.

@@ -138,11 +138,7 @@ impl Search<'_> {
 
     fn end(self, stop: Stop) -> Gap {
         let inside = self.simplex.margin().unwrap_or(0.0);
-        let length = if inside > 0.0 {
-            0.0
-        } else {
-            self.simplex.point().length()
-        };
+        let length = if inside > 0.0 { 0.0 } else { self.simplex.point().length() };
         Gap {
             lower: self.lower,
             upper: length + PAIR_ROUNDING,

@@ -32,11 +32,7 @@ pub(crate) fn linear_impact(
 ) -> Option<ImpactTouch> {
     let relative = motion.displacement_a - motion.displacement_b;
     let is_swapped = order::is_swapped(a, b);
-    let (first, second, way) = if is_swapped {
-        (b, a, -relative)
-    } else {
-        (a, b, relative)
-    };
+    let (first, second, way) = if is_swapped { (b, a, -relative) } else { (a, b, relative) };
     let pair = Pair::new(first, second, relative.length());
     let mut search = Search::new(pair, way, accuracy.budget);
     let outcome = search.first_touch(motion.initial);
@@ -44,11 +40,7 @@ pub(crate) fn linear_impact(
     work.iterations += u64::from(search.iterations);
     let touch = outcome?;
     let normal = touch.normal.map(|normal| search.pair.direction_out(normal));
-    let first_displacement = if is_swapped {
-        motion.displacement_b
-    } else {
-        motion.displacement_a
-    };
+    let first_displacement = if is_swapped { motion.displacement_b } else { motion.displacement_a };
     Some(ImpactTouch {
         fraction: touch.fraction,
         point: search.pair.point_out(touch.point) + first_displacement * touch.fraction,
@@ -99,13 +91,7 @@ impl<'a> Search<'a> {
     fn new(pair: Pair<'a>, way: DVec3, budget: u32) -> Self {
         let start = pair.b.position;
         let way = pair.displacement_in(way);
-        Self {
-            pair,
-            start,
-            way,
-            budget,
-            iterations: 0,
-        }
+        Self { pair, start, way, budget, iterations: 0 }
     }
 
     fn go_to(&mut self, time: f64) {
@@ -148,11 +134,7 @@ impl<'a> Search<'a> {
                 return Step::Free;
             }
         }
-        Step::Closed(if self.iterations < self.budget {
-            Stop::Converged
-        } else {
-            Stop::Budget
-        })
+        Step::Closed(if self.iterations < self.budget { Stop::Converged } else { Stop::Budget })
     }
 
     /// From a gap within rounding at `time`: seeks an instant of proved overlap at doubling steps beyond it.
@@ -160,17 +142,9 @@ impl<'a> Search<'a> {
         let closing = normal.map_or(0.0, |normal| -normal.dot(self.way));
         let (on_a, on_b) = gap.witnesses;
         let apart = (on_a - on_b).length();
-        let share = if apart > 0.0 {
-            (self.pair.a.radius / apart).min(1.0)
-        } else {
-            0.0
-        };
+        let share = if apart > 0.0 { (self.pair.a.radius / apart).min(1.0) } else { 0.0 };
         let point = on_a + (on_b - on_a) * share;
-        let mut ahead = if closing > 0.0 {
-            4.0 * PAIR_ROUNDING / closing
-        } else {
-            PAIR_ROUNDING
-        };
+        let mut ahead = if closing > 0.0 { 4.0 * PAIR_ROUNDING / closing } else { PAIR_ROUNDING };
         let mut proved = None;
         let is_initial = time == 0.0;
         if is_initial && self.is_overlap_at(0.0) {
@@ -188,19 +162,11 @@ impl<'a> Search<'a> {
         let is_inside = is_initial && proved == Some(0.0);
         let bound = Bound::new(time, proved.unwrap_or(1.0));
         // The free way is counted to where the gap is surely open; the best value goes the rest of it.
-        let rest = if closing > 0.0 && !is_initial {
-            (gap.length - self.pair.radius()) / closing
-        } else {
-            0.0
-        };
+        let rest = if closing > 0.0 && !is_initial { (gap.length - self.pair.radius()) / closing } else { 0.0 };
         Touch {
             fraction: (time + rest).clamp(bound.lower, bound.upper),
             bound,
-            verdict: if proved.is_some() {
-                Verdict::Hit
-            } else {
-                Verdict::Undecided
-            },
+            verdict: if proved.is_some() { Verdict::Hit } else { Verdict::Undecided },
             stop,
             normal: if is_inside { None } else { normal },
             point,
@@ -211,9 +177,7 @@ impl<'a> Search<'a> {
     fn is_overlap_at(&mut self, time: f64) -> bool {
         self.go_to(time);
         let radius = self.pair.radius();
-        let gap = gjk::gap(&self.pair, self.budget, |lower, upper| {
-            lower > radius || upper <= radius
-        });
+        let gap = gjk::gap(&self.pair, self.budget, |lower, upper| lower > radius || upper <= radius);
         self.iterations = self.iterations.saturating_add(gap.iterations);
         separation::signed_gap(&self.pair, &gap).verdict() == Verdict::Hit
     }

@@ -48,11 +48,7 @@ pub(super) fn points(pair: &Pair<'_>, touch: &Touch) -> Vec<Point> {
     } else {
         Vec::new()
     };
-    let kept = if kept.is_empty() {
-        vec![single(touch, &facing_a, &facing_b)]
-    } else {
-        four(kept, touch.normal)
-    };
+    let kept = if kept.is_empty() { vec![single(touch, &facing_a, &facing_b)] } else { four(kept, touch.normal) };
     let grown = kept.into_iter().map(|point| Point {
         on_a: point.on_a - touch.normal * pair.a.radius,
         on_b: point.on_b + touch.normal * pair.b.radius,
@@ -86,28 +82,14 @@ impl Facing {
 
 /// The part of `incident` that lies over `reference`, paired with its projection.
 fn clip(reference: &Facing, incident: &Facing, normal: DVec3, side: Side) -> Vec<Point> {
-    let mut polygon: Vec<Clipped> = incident
-        .corners
-        .iter()
-        .map(|corner| Clipped {
-            point: corner.point,
-            name: short(corner.index),
-        })
-        .collect();
+    let mut polygon: Vec<Clipped> =
+        incident.corners.iter().map(|corner| Clipped { point: corner.point, name: short(corner.index) }).collect();
     let corners = &reference.corners;
     let middle = corners.iter().map(|corner| corner.point).sum::<DVec3>() / corners.len() as f64;
     for (i, corner) in corners.iter().enumerate() {
         let along = corners[(i + 1) % corners.len()].point - corner.point;
-        let outward = if corners.len() == 2 {
-            -along
-        } else {
-            along.cross(normal)
-        };
-        let outward = if outward.dot(middle - corner.point) > 0.0 {
-            -outward
-        } else {
-            outward
-        };
+        let outward = if corners.len() == 2 { -along } else { along.cross(normal) };
+        let outward = if outward.dot(middle - corner.point) > 0.0 { -outward } else { outward };
         polygon = cut(&polygon, corner.point, outward, short(corner.index));
     }
     let base = corners[0].point;
@@ -123,11 +105,7 @@ fn clip(reference: &Facing, incident: &Facing, normal: DVec3, side: Side) -> Vec
             Side::A => (foot, clipped.point, reference_name, clipped.name),
             Side::B => (clipped.point, foot, clipped.name, reference_name),
         };
-        Point {
-            on_a,
-            on_b,
-            feature_pair: u32::from(high) << 16 | u32::from(low),
-        }
+        Point { on_a, on_b, feature_pair: u32::from(high) << 16 | u32::from(low) }
     });
     pairs.collect()
 }
@@ -146,10 +124,7 @@ fn cut(polygon: &[Clipped], base: DVec3, outward: DVec3, name: u16) -> Vec<Clipp
         let is_way_back = polygon.len() == 2 && i == 1;
         if (here < 0.0 && there > 0.0 || here > 0.0 && there < 0.0) && !is_way_back {
             let point = current.point + (next.point - current.point) * (here / (here - there));
-            kept.push(Clipped {
-                point,
-                name: crossing(current.name, next.name, name),
-            });
+            kept.push(Clipped { point, name: crossing(current.name, next.name, name) });
         }
     }
     kept
@@ -206,24 +181,14 @@ fn single(touch: &Touch, facing_a: &Facing, facing_b: &Facing) -> Point {
         (None, Some([on_a, on_b])) => nearest_of_lines(on_a, on_b),
         (None, None) if facing_b.corners.len() > 1 => {
             let corner = facing_a.corners[0].point;
-            (
-                corner,
-                corner - touch.normal * touch.normal.dot(corner - facing_b.corners[0].point),
-            )
+            (corner, corner - touch.normal * touch.normal.dot(corner - facing_b.corners[0].point))
         }
         (None, None) => {
             let corner = facing_b.corners[0].point;
-            (
-                corner - touch.normal * touch.normal.dot(corner - facing_a.corners[0].point),
-                corner,
-            )
+            (corner - touch.normal * touch.normal.dot(corner - facing_a.corners[0].point), corner)
         }
     };
-    Point {
-        on_a,
-        on_b,
-        feature_pair,
-    }
+    Point { on_a, on_b, feature_pair }
 }
 
 /// The nearest points of the lines through two edges that are not parallel.
@@ -245,32 +210,19 @@ fn short(index: u32) -> u16 {
 fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
     let corner = body.support(direction);
     match body.core {
-        Core::Point => Facing {
-            corners: vec![corner],
-            is_flat: false,
-        },
+        Core::Point => Facing { corners: vec![corner], is_flat: false },
         Core::Segment { .. } => {
             let is_flat = body.turn(DVec3::Y).dot(direction).abs() <= FLAT_CONTACT_SINE;
-            let corners = if is_flat {
-                vec![body.corner(0), body.corner(1)]
-            } else {
-                vec![corner]
-            };
+            let corners = if is_flat { vec![body.corner(0), body.corner(1)] } else { vec![corner] };
             Facing { corners, is_flat }
         }
         Core::Cuboid { .. } => cuboid_face(body, direction),
-        Core::Hull(_) => hull_face(body, direction).unwrap_or(Facing {
-            corners: vec![corner],
-            is_flat: false,
-        }),
+        Core::Hull(_) => hull_face(body, direction).unwrap_or(Facing { corners: vec![corner], is_flat: false }),
         Core::Triangle(_) => {
             let corners: Vec<Corner> = (0..3).map(|index| body.corner(index)).collect();
             let [a, b, c] = [0, 1, 2].map(|i: usize| corners[i].point);
             let normal = (b - a).cross(c - a).normalize_or_zero();
-            Facing {
-                is_flat: normal.cross(direction).length() <= FLAT_CONTACT_SINE,
-                corners,
-            }
+            Facing { is_flat: normal.cross(direction).length() <= FLAT_CONTACT_SINE, corners }
         }
     }
 }
@@ -287,30 +239,17 @@ fn cuboid_face(body: &Body<'_>, direction: DVec3) -> Facing {
     };
     let high = u32::from(local[axis] > 0.0) << axis;
     let (second, third) = (1u32 << ((axis + 1) % 3), 1u32 << ((axis + 2) % 3));
-    let corners = [0, second, second | third, third]
-        .map(|rest| body.corner(high | rest))
-        .to_vec();
+    let corners = [0, second, second | third, third].map(|rest| body.corner(high | rest)).to_vec();
     let mut lean = local;
     lean[axis] = 0.0;
-    Facing {
-        corners,
-        is_flat: lean.length() <= FLAT_CONTACT_SINE,
-    }
+    Facing { corners, is_flat: lean.length() <= FLAT_CONTACT_SINE }
 }
 
 fn hull_face(body: &Body<'_>, direction: DVec3) -> Option<Facing> {
     let faces = &body.hull()?.topology().faces;
     let local = body.rotation.transpose() * direction;
-    let best = faces.iter().reduce(|best, face| {
-        if face.normal.dot(local) > best.normal.dot(local) {
-            face
-        } else {
-            best
-        }
-    })?;
+    let best =
+        faces.iter().reduce(|best, face| if face.normal.dot(local) > best.normal.dot(local) { face } else { best })?;
     let corners = best.vertices.iter().map(|&vertex| body.corner(vertex)).collect();
-    Some(Facing {
-        corners,
-        is_flat: best.normal.cross(local).length() <= FLAT_CONTACT_SINE,
-    })
+    Some(Facing { corners, is_flat: best.normal.cross(local).length() <= FLAT_CONTACT_SINE })
 }

@@ -41,11 +41,7 @@ pub(crate) fn overlap(a: PlacedConvex<'_>, b: PlacedConvex<'_>, accuracy: &Accur
         verdict: signed.verdict(),
         bound: pair.bound_out(signed.lower, signed.upper),
         method: signed.method,
-        stop: if signed.verdict() == Verdict::Undecided {
-            signed.stop
-        } else {
-            Stop::Tolerance
-        },
+        stop: if signed.verdict() == Verdict::Undecided { signed.stop } else { Stop::Tolerance },
         iterations: signed.iterations,
     }
 }
@@ -77,16 +73,8 @@ pub(super) fn signed_gap(pair: &Pair<'_>, gap: &Gap) -> Signed {
     let radius = pair.radius();
     let is_inside = gap.inside > crate::tolerance::PAIR_ROUNDING;
     let by_gap = Signed {
-        lower: if gap.lower > 0.0 {
-            gap.lower - radius
-        } else {
-            f64::NEG_INFINITY
-        },
-        upper: if is_inside {
-            crate::tolerance::PAIR_ROUNDING - gap.inside - radius
-        } else {
-            gap.upper - radius
-        },
+        lower: if gap.lower > 0.0 { gap.lower - radius } else { f64::NEG_INFINITY },
+        upper: if is_inside { crate::tolerance::PAIR_ROUNDING - gap.inside - radius } else { gap.upper - radius },
         method: Method::Gjk,
         stop: gap.stop,
         iterations: gap.iterations,
@@ -126,23 +114,11 @@ fn distance_in_order(
     if lower > limit_in {
         return None;
     }
-    let verdict = if upper <= limit_in {
-        Verdict::Hit
-    } else {
-        Verdict::Undecided
-    };
+    let verdict = if upper <= limit_in { Verdict::Hit } else { Verdict::Undecided };
     let (on_a, on_b) = gap.witnesses;
     let apart = on_a - on_b;
-    let best = if upper == 0.0 {
-        0.0
-    } else {
-        (apart.length() - radius).clamp(lower, upper)
-    };
-    let normal = if gap.normal == DVec3::ZERO {
-        apart.try_normalize()
-    } else {
-        Some(gap.normal)
-    };
+    let best = if upper == 0.0 { 0.0 } else { (apart.length() - radius).clamp(lower, upper) };
+    let normal = if gap.normal == DVec3::ZERO { apart.try_normalize() } else { Some(gap.normal) };
     let (point_on_a, point_on_b) = match normal {
         Some(normal) if best > 0.0 => (on_a - normal * pair.a.radius, on_b + normal * pair.b.radius),
         _ => {

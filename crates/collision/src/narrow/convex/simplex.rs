@@ -23,11 +23,7 @@ pub(super) struct Vertex {
 
 impl Vertex {
     pub(super) fn new(on_a: Corner, on_b: Corner) -> Self {
-        Self {
-            point: on_a.point - on_b.point,
-            on_a,
-            on_b,
-        }
+        Self { point: on_a.point - on_b.point, on_a, on_b }
     }
 
     fn is_same(&self, other: &Self) -> bool {
@@ -45,11 +41,7 @@ pub(super) struct Simplex {
 
 impl Simplex {
     pub(super) fn of(vertex: Vertex) -> Self {
-        Self {
-            vertices: [vertex; 4],
-            weights: [1.0, 0.0, 0.0, 0.0],
-            count: 1,
-        }
+        Self { vertices: [vertex; 4], weights: [1.0, 0.0, 0.0, 0.0], count: 1 }
     }
 
     pub(super) fn vertices(&self) -> &[Vertex] {
@@ -67,10 +59,7 @@ impl Simplex {
 
     /// The weighted points of `a` and of `b`.
     pub(super) fn witnesses(&self) -> (DVec3, DVec3) {
-        (
-            self.weighted(|vertex| vertex.on_a.point),
-            self.weighted(|vertex| vertex.on_b.point),
-        )
+        (self.weighted(|vertex| vertex.on_a.point), self.weighted(|vertex| vertex.on_b.point))
     }
 
     /// The part of this simplex with `vertex` added that is nearest to the origin.
@@ -109,10 +98,7 @@ impl Simplex {
             let side = normal.dot(apex - a).signum();
             -side * normal.dot(a) / normal.length()
         };
-        let least = inner(a, b, c, d)
-            .min(inner(a, b, d, c))
-            .min(inner(a, c, d, b))
-            .min(inner(b, c, d, a));
+        let least = inner(a, b, c, d).min(inner(a, b, d, c)).min(inner(a, c, d, b)).min(inner(b, c, d, a));
         // A flat tetrahedron gives NaN, which is no margin.
         (least > 0.0).then_some(least)
     }
@@ -122,11 +108,7 @@ impl Simplex {
     }
 
     fn weighted(&self, of: impl Fn(&Vertex) -> DVec3) -> DVec3 {
-        self.vertices()
-            .iter()
-            .zip(self.weights)
-            .map(|(vertex, weight)| of(vertex) * weight)
-            .sum()
+        self.vertices().iter().zip(self.weights).map(|(vertex, weight)| of(vertex) * weight).sum()
     }
 
     fn part<const N: usize>(&self, members: [usize; N], weights: [f64; N]) -> Self {
@@ -149,11 +131,7 @@ impl Simplex {
     }
 
     fn nearer(self, other: Self) -> Self {
-        if other.point().length_squared() < self.point().length_squared() {
-            other
-        } else {
-            self
-        }
+        if other.point().length_squared() < self.point().length_squared() { other } else { self }
     }
 
     fn segment(&self, [i, j]: [usize; 2]) -> Self {
@@ -196,25 +174,13 @@ impl Simplex {
             return self.part([i, j, k], areas.map(|part| part / sum));
         }
         let sides = [[j, k], [k, i], [i, j]];
-        let beyond = sides
-            .into_iter()
-            .zip(inside)
-            .filter(|(_, is_inside)| !is_inside)
-            .map(|(side, _)| side);
-        beyond
-            .map(|side| self.segment(side))
-            .reduce(Self::nearer)
-            .unwrap_or_else(|| self.segment([i, j]))
+        let beyond = sides.into_iter().zip(inside).filter(|(_, is_inside)| !is_inside).map(|(side, _)| side);
+        beyond.map(|side| self.segment(side)).reduce(Self::nearer).unwrap_or_else(|| self.segment([i, j]))
     }
 
     fn tetrahedron(&self) -> Self {
         let [a, b, c, d] = self.vertices.map(|vertex| vertex.point);
-        let volumes = [
-            -b.cross(c).dot(d),
-            a.cross(c).dot(d),
-            -a.cross(b).dot(d),
-            a.cross(b).dot(c),
-        ];
+        let volumes = [-b.cross(c).dot(d), a.cross(c).dot(d), -a.cross(b).dot(d), a.cross(b).dot(c)];
         let whole: f64 = volumes.iter().sum();
         let inside = volumes.map(|part| part * whole.signum() > 0.0);
         if inside == [true; 4] && whole.is_normal() {
@@ -222,14 +188,7 @@ impl Simplex {
         }
         let faces = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
         let flat = !whole.is_normal();
-        let beyond = faces
-            .into_iter()
-            .zip(inside)
-            .filter(|(_, is_inside)| flat || !is_inside)
-            .map(|(face, _)| face);
-        beyond
-            .map(|face| self.triangle(face))
-            .reduce(Self::nearer)
-            .unwrap_or_else(|| self.triangle([0, 1, 2]))
+        let beyond = faces.into_iter().zip(inside).filter(|(_, is_inside)| flat || !is_inside).map(|(face, _)| face);
+        beyond.map(|face| self.triangle(face)).reduce(Self::nearer).unwrap_or_else(|| self.triangle([0, 1, 2]))
     }
 }

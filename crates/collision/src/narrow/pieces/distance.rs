@@ -94,11 +94,7 @@ struct Nearest {
 
 impl Nearest {
     fn within(limit: f64) -> Self {
-        Self {
-            candidates: SmallVec::new(),
-            limit,
-            asked: limit,
-        }
+        Self { candidates: SmallVec::new(), limit, asked: limit }
     }
 
     fn offer(&mut self, found: Separation) {
@@ -119,11 +115,7 @@ impl Nearest {
         });
         let mut merged = *winner?;
         merged.certificate.bound = Bound::new(lower, upper);
-        merged.certificate.verdict = if upper <= self.asked {
-            Verdict::Hit
-        } else {
-            Verdict::Undecided
-        };
+        merged.certificate.verdict = if upper <= self.asked { Verdict::Hit } else { Verdict::Undecided };
         merged.distance = merged.distance.clamp(lower, upper);
         Some(merged)
     }

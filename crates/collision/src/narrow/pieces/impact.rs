@@ -99,9 +99,7 @@ fn along(
         direction,
         reach: half + crate::tolerance::RELATIVE_POSE * (half.length() + direction.length()),
     };
-    let Ok(()) = tree.visit_ray(&path, limit, work, |work, leaf, _| {
-        Ok::<f64, Infallible>(visit(work, leaf as usize))
-    });
+    let Ok(()) = tree.visit_ray(&path, limit, work, |work, leaf, _| Ok::<f64, Infallible>(visit(work, leaf as usize)));
 }
 
 /// All that may be the first touch.
@@ -113,10 +111,7 @@ struct First {
 
 impl Default for First {
     fn default() -> Self {
-        Self {
-            candidates: SmallVec::new(),
-            limit: 1.0,
-        }
+        Self { candidates: SmallVec::new(), limit: 1.0 }
     }
 }
 
@@ -145,16 +140,9 @@ impl First {
     /// The earliest certain touch, or else the earliest open one; its bound reaches down to whatever may come before it.
     fn merged(self) -> Option<ImpactTouch> {
         let is_certain = |touch: &&ImpactTouch| touch.certificate.verdict == Verdict::Hit;
-        let verdict = if self.candidates.iter().any(|touch| is_certain(&touch)) {
-            Verdict::Hit
-        } else {
-            Verdict::Undecided
-        };
-        let those = || {
-            self.candidates
-                .iter()
-                .filter(|touch| touch.certificate.verdict == verdict)
-        };
+        let verdict =
+            if self.candidates.iter().any(|touch| is_certain(&touch)) { Verdict::Hit } else { Verdict::Undecided };
+        let those = || self.candidates.iter().filter(|touch| touch.certificate.verdict == verdict);
         let lower = self.candidates.iter().map(|touch| touch.certificate.bound.lower);
         let lower = lower.fold(f64::INFINITY, f64::min);
         let upper = those().map(|touch| touch.certificate.bound.upper);

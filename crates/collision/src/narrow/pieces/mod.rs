@@ -42,10 +42,7 @@ enum Side<'a> {
 impl<'a> Side<'a> {
     fn of(placed: Placed<'a>) -> Self {
         match placed.geometry.form() {
-            Form::Convex(convex) => Self::Convex(PlacedConvex {
-                convex,
-                pose: placed.pose,
-            }),
+            Form::Convex(convex) => Self::Convex(PlacedConvex { convex, pose: placed.pose }),
             Form::Mesh(mesh) => Self::Surface(Surface { mesh, whole: placed }),
         }
     }
@@ -54,18 +51,12 @@ impl<'a> Side<'a> {
 impl Surface<'_> {
     /// A triangle as a convex form in the mesh's frame.
     fn piece(&self, triangle: usize) -> Convex {
-        Convex {
-            core: Core::Triangle(self.mesh.corners(triangle)),
-            radius: 0.0,
-        }
+        Convex { core: Core::Triangle(self.mesh.corners(triangle)), radius: 0.0 }
     }
 
     /// A piece where it is.
     fn placed<'p>(&self, piece: &'p Convex) -> PlacedConvex<'p> {
-        PlacedConvex {
-            convex: piece,
-            pose: self.whole.pose,
-        }
+        PlacedConvex { convex: piece, pose: self.whole.pose }
     }
 
     /// The number of a triangle as the client knows it.
@@ -94,10 +85,7 @@ impl Surface<'_> {
 
     fn relative(&self, pose: &Pose) -> Pose {
         let to_local = self.whole.pose.unit_rotation().conjugate();
-        Pose::new(
-            to_local * (pose.position - self.whole.pose.position),
-            to_local * pose.unit_rotation(),
-        )
+        Pose::new(to_local * (pose.position - self.whole.pose.position), to_local * pose.unit_rotation())
     }
 
     /// What the relative pose may be off by, at a form of the given reach.

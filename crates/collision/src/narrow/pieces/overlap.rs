@@ -23,11 +23,7 @@ pub(in crate::narrow) fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accura
             touching.search(a, &b, accuracy, work);
         }
         (Side::Surface(a), Side::Surface(b)) => {
-            let (a, b) = if b.mesh.triangles().len() < a.mesh.triangles().len() {
-                (b, a)
-            } else {
-                (a, b)
-            };
+            let (a, b) = if b.mesh.triangles().len() < a.mesh.triangles().len() { (b, a) } else { (a, b) };
             let near_b = a.box_of_surface(&b);
             let Ok(()) = a.mesh.tree().visit_box(near_b, work, |work, leaf| {
                 let piece = a.piece(leaf as usize);
@@ -59,11 +55,7 @@ impl Touching {
 
     /// A piece that surely touches ends the search.
     fn flow(&self) -> ControlFlow<()> {
-        if self.certificate.verdict == Verdict::Hit {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        if self.certificate.verdict == Verdict::Hit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn search(&mut self, a: PlacedConvex<'_>, b: &Surface<'_>, accuracy: &Accuracy, work: &mut Work) {

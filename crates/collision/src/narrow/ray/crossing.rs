@@ -45,36 +45,23 @@ impl Crossing {
         if self.entry.bound.lower > last || self.exit.bound.upper < first {
             return RayTouches::default();
         }
-        let (certain, undecided) = if ray.hollow && self.certain {
-            self.hollow(first, last)
-        } else {
-            self.solid(first, last)
-        };
+        let (certain, undecided) =
+            if ray.hollow && self.certain { self.hollow(first, last) } else { self.solid(first, last) };
         let touch = |judged: Judged| self.touch(judged, local, pose);
-        RayTouches {
-            certain: certain.map(touch),
-            undecided: undecided.map(touch),
-        }
+        RayTouches { certain: certain.map(touch), undecided: undecided.map(touch) }
     }
 
     fn touch(&self, judged: Judged, local: &LocalRay, pose: &Pose) -> RayTouch {
         let Judged { wall, inside, .. } = judged;
         let outwards = local.normal_to_world(pose, wall.normal);
         let is_from_inside = wall.normal.dot(local.direction) > 0.0;
-        let towards_asker = if is_from_inside {
-            DVec3::ZERO - outwards
-        } else {
-            outwards
-        };
+        let towards_asker = if is_from_inside { DVec3::ZERO - outwards } else { outwards };
         RayTouch {
             distance: judged.best + 0.0,
             point: local.to_world(pose, local.point_at(judged.best)),
             normal: (!inside).then_some(towards_asker),
             inside,
-            feature: Feature {
-                part: None,
-                face: if inside { None } else { wall.face },
-            },
+            feature: Feature { part: None, face: if inside { None } else { wall.face } },
             certificate: Certificate {
                 method: self.method,
                 iterations: self.iterations,
@@ -88,11 +75,7 @@ impl Crossing {
         let (entry, exit) = (self.entry.bound, self.exit.bound);
         let is_hit = self.certain && entry.upper <= last && exit.lower >= first;
         let lower = entry.lower.max(first);
-        let upper = if is_hit {
-            entry.upper.max(first)
-        } else {
-            exit.upper.min(last)
-        };
+        let upper = if is_hit { entry.upper.max(first) } else { exit.upper.min(last) };
         let judged = Judged {
             wall: self.entry,
             bound: Bound::new(lower, upper.max(lower)),
@@ -100,11 +83,7 @@ impl Crossing {
             verdict: if is_hit { Verdict::Hit } else { Verdict::Undecided },
             inside: self.entry.best < first,
         };
-        if is_hit {
-            (Some(judged), None)
-        } else {
-            (None, Some(judged))
-        }
+        if is_hit { (Some(judged), None) } else { (None, Some(judged)) }
     }
 
     /// Walls only: the nearest of the two that the ray reaches.

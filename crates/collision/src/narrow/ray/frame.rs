@@ -27,11 +27,7 @@ pub(super) struct Target {
 impl Target {
     /// Seen from the local origin: right for forms that lie about it.
     pub(super) fn about_origin(geometry: &Geometry) -> Self {
-        Self {
-            center: DVec3::ZERO,
-            radius: geometry.reach(),
-            reach: geometry.reach(),
-        }
+        Self { center: DVec3::ZERO, radius: geometry.reach(), reach: geometry.reach() }
     }
 
     /// Seen from the middle of its box.
@@ -39,11 +35,7 @@ impl Target {
         let bounds = geometry.local_bounds();
         let center = bounds.center();
         let half = (bounds.max - center).max(center - bounds.min);
-        Self {
-            center,
-            radius: half.length() * tolerance::LENGTH_WIDENING,
-            reach: geometry.reach(),
-        }
+        Self { center, radius: half.length() * tolerance::LENGTH_WIDENING, reach: geometry.reach() }
     }
 }
 
@@ -93,12 +85,7 @@ impl LocalRay {
         let (origin, direction, frame_error, direction_error) = if turned {
             let to_local = pose.matrix().transpose();
             let error = tolerance::RAY_TURNED_FRAME * (difference.length() + target.reach);
-            (
-                to_local * difference,
-                to_local * unit,
-                error,
-                tolerance::RAY_TURNED_DIRECTION,
-            )
+            (to_local * difference, to_local * unit, error, tolerance::RAY_TURNED_DIRECTION)
         } else {
             let error = lost.length() * tolerance::LENGTH_WIDENING;
             (difference, unit, error, tolerance::RAY_DIRECTION)
@@ -106,10 +93,7 @@ impl LocalRay {
         let from_center = origin - target.center;
         let shift = -from_center.dot(direction);
         let extent = from_center.length() + target.radius;
-        let exact = ExactRay {
-            origin,
-            direction: scaled,
-        };
+        let exact = ExactRay { origin, direction: scaled };
         let is_still = |axis: usize| !turned && scaled[axis] == 0.0 && lost[axis] == 0.0 && target.center[axis] == 0.0;
         Self {
             foot: from_center + direction * shift,
@@ -158,10 +142,7 @@ impl ExactRay {
 
 fn exact_difference(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
     let parts = [0, 1, 2].map(|axis| two_sum(a[axis], -b[axis]));
-    (
-        DVec3::from_array(parts.map(|(difference, _)| difference)),
-        DVec3::from_array(parts.map(|(_, lost)| lost)),
-    )
+    (DVec3::from_array(parts.map(|(difference, _)| difference)), DVec3::from_array(parts.map(|(_, lost)| lost)))
 }
 
 /// A vector of any length but 0, times a power of two so that its largest component lies in [1, 2), but for components

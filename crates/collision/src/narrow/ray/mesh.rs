@@ -100,11 +100,7 @@ fn candidate(sight: &Sight<'_>, mesh: &Mesh, triangle: usize) -> Option<Candidat
         triangle,
         bound,
         best: meeting.best.clamp(bound.lower, bound.upper),
-        verdict: if is_crossed && is_within {
-            Verdict::Hit
-        } else {
-            Verdict::Undecided
-        },
+        verdict: if is_crossed && is_within { Verdict::Hit } else { Verdict::Undecided },
     })
 }
 
@@ -166,10 +162,7 @@ struct Found {
 
 impl Default for Found {
     fn default() -> Self {
-        Self {
-            candidates: SmallVec::new(),
-            limit: f64::INFINITY,
-        }
+        Self { candidates: SmallVec::new(), limit: f64::INFINITY }
     }
 }
 
@@ -189,20 +182,14 @@ impl Found {
     /// The first by its best value; where others cannot be told from it (they share an edge there), the least number.
     fn touches(&self, local: &LocalRay, mesh: &Mesh, pose: &Pose) -> RayTouches {
         let pick = |verdict: Verdict| {
-            let those = || {
-                self.candidates
-                    .iter()
-                    .filter(move |candidate| candidate.verdict == verdict)
-            };
+            let those = || self.candidates.iter().filter(move |candidate| candidate.verdict == verdict);
             let first = those().min_by(|a, b| {
                 let by_number = a.triangle.cmp(&b.triangle);
                 a.best.total_cmp(&b.best).then(by_number)
             })?;
             let is_same = |other: &&Candidate| other.bound.contains(first.best) && first.bound.contains(other.best);
             let winner = those().filter(is_same).min_by_key(|candidate| candidate.triangle)?;
-            let lower = those()
-                .map(|candidate| candidate.bound.lower)
-                .fold(f64::INFINITY, f64::min);
+            let lower = those().map(|candidate| candidate.bound.lower).fold(f64::INFINITY, f64::min);
             let upper = those().map(|candidate| candidate.bound.upper);
             let upper = match verdict {
                 Verdict::Hit => upper.fold(f64::INFINITY, f64::min),
@@ -210,30 +197,20 @@ impl Found {
             };
             Some(touch(local, mesh, pose, *winner, Bound::new(lower, upper)))
         };
-        RayTouches {
-            certain: pick(Verdict::Hit),
-            undecided: pick(Verdict::Undecided),
-        }
+        RayTouches { certain: pick(Verdict::Hit), undecided: pick(Verdict::Undecided) }
     }
 }
 
 fn touch(local: &LocalRay, mesh: &Mesh, pose: &Pose, winner: Candidate, bound: Bound) -> RayTouch {
     let best = winner.best.clamp(bound.lower, bound.upper);
     let (outwards, _) = normal(mesh.corners(winner.triangle));
-    let towards_asker = if outwards.dot(local.direction) > 0.0 {
-        DVec3::ZERO - outwards
-    } else {
-        outwards
-    };
+    let towards_asker = if outwards.dot(local.direction) > 0.0 { DVec3::ZERO - outwards } else { outwards };
     RayTouch {
         distance: best + 0.0,
         point: local.to_world(pose, local.point_at(best)),
         normal: Some(local.normal_to_world(pose, towards_asker)),
         inside: false,
-        feature: Feature {
-            part: None,
-            face: Some(mesh.sent_number(winner.triangle)),
-        },
+        feature: Feature { part: None, face: Some(mesh.sent_number(winner.triangle)) },
         certificate: certificate(winner.verdict, bound),
     }
 }

@@ -113,19 +113,12 @@ pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Wo
         (None, true) => rounded::crossing(&local, convex, about, accuracy, work),
         (None, false) => flat_sided_crossing(&local, &convex.core, about.center),
     };
-    crossing.map_or_else(RayTouches::default, |crossing| {
-        crossing.touches(ray, &local, &target.pose)
-    })
+    crossing.map_or_else(RayTouches::default, |crossing| crossing.touches(ray, &local, &target.pose))
 }
 
 /// Forms around a point or a segment have formulas with any radius. `None`: it is none of them.
 fn simple_crossing(local: &LocalRay, convex: &Convex, about: Target) -> Option<Option<Crossing>> {
-    let round = |center: DVec3, axis: DVec3, half: f64| Round {
-        center,
-        axis,
-        half,
-        radius: convex.radius,
-    };
+    let round = |center: DVec3, axis: DVec3, half: f64| Round { center, axis, half, radius: convex.radius };
     let round = match &convex.core {
         Core::Point => round(DVec3::ZERO, DVec3::Y, 0.0),
         Core::Segment { half_height } => round(DVec3::ZERO, DVec3::Y, *half_height),

@@ -64,12 +64,7 @@ pub(super) fn hull(ray: &LocalRay, hull: &Hull, center: DVec3) -> Option<Crossin
 pub(super) fn polygon(ray: &LocalRay, corners: &[DVec3], center: DVec3) -> Option<Crossing> {
     let normal = area_vector(corners).normalize_or_zero();
     let gap = normal.dot(corners[0] - center - ray.foot);
-    let side = |normal: DVec3, gap: f64, face: Option<u32>| Side {
-        normal,
-        gap,
-        error: ray.error,
-        face,
-    };
+    let side = |normal: DVec3, gap: f64, face: Option<u32>| Side { normal, gap, error: ray.error, face };
     let mut clip = Clip::new();
     clip.slab(ray, side(-normal, -gap, Some(1)), side(normal, gap, Some(0)))?;
     for (index, &corner) in corners.iter().enumerate() {
@@ -87,9 +82,7 @@ fn polygon_corners(hull: &Hull, topology: &Topology) -> Vec<DVec3> {
 
 /// Twice the area, along the normal.
 fn area_vector(corners: &[DVec3]) -> DVec3 {
-    let fan = corners
-        .windows(2)
-        .map(|pair| (pair[0] - corners[0]).cross(pair[1] - corners[0]));
+    let fan = corners.windows(2).map(|pair| (pair[0] - corners[0]).cross(pair[1] - corners[0]));
     fan.sum()
 }
 
@@ -127,12 +120,8 @@ impl Side {
             };
         }
         let (time, width) = (self.gap / speed, self.error / speed.abs());
-        let wall = Wall {
-            bound: Bound::new(time - width, time + width),
-            best: time,
-            normal: self.normal,
-            face: self.face,
-        };
+        let wall =
+            Wall { bound: Bound::new(time - width, time + width), best: time, normal: self.normal, face: self.face };
         Some(if speed < 0.0 { Met::Entry(wall) } else { Met::Exit(wall) })
     }
 }
@@ -146,17 +135,8 @@ struct Clip {
 
 impl Clip {
     fn new() -> Self {
-        let nowhere = |at: f64| Wall {
-            bound: Bound::new(at, at),
-            best: at,
-            normal: DVec3::ZERO,
-            face: None,
-        };
-        Self {
-            entry: nowhere(f64::NEG_INFINITY),
-            exit: nowhere(f64::INFINITY),
-            certain: true,
-        }
+        let nowhere = |at: f64| Wall { bound: Bound::new(at, at), best: at, normal: DVec3::ZERO, face: None };
+        Self { entry: nowhere(f64::NEG_INFINITY), exit: nowhere(f64::INFINITY), certain: true }
     }
 
     fn plane(&mut self, ray: &LocalRay, side: Side) -> Option<()> {
@@ -201,10 +181,7 @@ impl Clip {
 
     fn crossing(self, ray: &LocalRay) -> Crossing {
         let moved = |wall: Wall| Wall {
-            bound: Bound::new(
-                wall.bound.lower + ray.shift - ray.error,
-                wall.bound.upper + ray.shift + ray.error,
-            ),
+            bound: Bound::new(wall.bound.lower + ray.shift - ray.error, wall.bound.upper + ray.shift + ray.error),
             best: wall.best + ray.shift,
             ..wall
         };
@@ -213,13 +190,7 @@ impl Clip {
             entry.bound.upper = entry.bound.upper.max(exit.bound.upper);
             exit.bound.lower = exit.bound.lower.min(entry.bound.lower);
         }
-        Crossing {
-            entry,
-            exit,
-            certain: self.certain,
-            method: Method::ClosedForm,
-            iterations: 1,
-        }
+        Crossing { entry, exit, certain: self.certain, method: Method::ClosedForm, iterations: 1 }
     }
 }
 

@@ -35,11 +35,7 @@ impl Round {
     pub(super) fn crossing(&self, ray: &LocalRay) -> Option<Crossing> {
         let error = 2.0 * ray.error;
         let outer = self.stretch(ray, error)?;
-        let inner = if self.radius > error {
-            self.stretch(ray, -error)
-        } else {
-            None
-        };
+        let inner = if self.radius > error { self.stretch(ray, -error) } else { None };
         let best = self.stretch(ray, 0.0).unwrap_or(outer);
         let (entry, exit) = match inner {
             Some(inner) => (Bound::new(outer.0, inner.0), Bound::new(inner.1, outer.1)),
@@ -73,14 +69,10 @@ impl Round {
             return ball(foot, ray.direction, radius);
         }
         let tip = self.axis * self.half;
-        [
-            ball(foot - tip, ray.direction, radius),
-            ball(foot + tip, ray.direction, radius),
-            self.tube(ray, growth),
-        ]
-        .into_iter()
-        .flatten()
-        .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        [ball(foot - tip, ray.direction, radius), ball(foot + tip, ray.direction, radius), self.tube(ray, growth)]
+            .into_iter()
+            .flatten()
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
     /// The stretch inside the cylinder between the two ends.

@@ -30,12 +30,7 @@ pub(super) fn crossing(
     work: &mut Work,
 ) -> Option<Crossing> {
     let span = about.radius + 2.0 * ray.error;
-    let caster = Caster {
-        body,
-        pose: Pose::at(DVec3::ZERO - about.center),
-        accuracy,
-        margin: 2.0 * ray.error,
-    };
+    let caster = Caster { body, pose: Pose::at(DVec3::ZERO - about.center), accuracy, margin: 2.0 * ray.error };
     let (begin, end) = (ray.foot - ray.direction * span, ray.foot + ray.direction * span);
     let entry = caster.wall(begin, ray.direction * (2.0 * span), work)?;
     let exit = caster.wall(end, ray.direction * (-2.0 * span), work)?;
@@ -43,10 +38,7 @@ pub(super) fn crossing(
     let entry_at = |fraction: f64| near + fraction * (2.0 * span);
     let exit_at = |fraction: f64| far - fraction * (2.0 * span);
     let certain = entry.certain && exit.certain;
-    let whole = Bound::new(
-        entry_at(entry.bound.lower) - ray.error,
-        exit_at(exit.bound.lower) + ray.error,
-    );
+    let whole = Bound::new(entry_at(entry.bound.lower) - ray.error, exit_at(exit.bound.lower) + ray.error);
     let wall = |bound: Bound, best: f64, normal: DVec3| Wall {
         bound: if certain { bound } else { whole },
         best,
@@ -89,23 +81,14 @@ struct Arrival {
 impl Caster<'_> {
     fn wall(&self, origin: DVec3, motion: DVec3, work: &mut Work) -> Option<Arrival> {
         let outer = self.cast(self.margin, origin, motion, work)?;
-        let inner = if self.body.radius > self.margin {
-            self.cast(-self.margin, origin, motion, work)
-        } else {
-            None
-        };
+        let inner = if self.body.radius > self.margin { self.cast(-self.margin, origin, motion, work) } else { None };
         let middle = self.cast(0.0, origin, motion, work);
         let casts = [Some(outer), inner, middle].into_iter().flatten();
-        let iterations = casts
-            .map(|touch| touch.certificate.iterations)
-            .fold(0, u32::saturating_add);
+        let iterations = casts.map(|touch| touch.certificate.iterations).fold(0, u32::saturating_add);
         let inner = inner.filter(|touch| touch.certificate.verdict == Verdict::Hit);
         let best = middle.map_or(outer.fraction, |touch| touch.fraction);
         Some(Arrival {
-            bound: Bound::new(
-                outer.certificate.bound.lower,
-                inner.map_or(1.0, |touch| touch.certificate.bound.upper),
-            ),
+            bound: Bound::new(outer.certificate.bound.lower, inner.map_or(1.0, |touch| touch.certificate.bound.upper)),
             best,
             normal: middle.unwrap_or(outer).normal_b_to_a,
             certain: inner.is_some(),
@@ -114,27 +97,11 @@ impl Caster<'_> {
     }
 
     fn cast(&self, growth: f64, origin: DVec3, motion: DVec3, work: &mut Work) -> Option<ImpactTouch> {
-        let point = Convex {
-            core: Core::Point,
-            radius: 0.0,
-        };
-        let body = Convex {
-            core: self.body.core.clone(),
-            radius: self.body.radius + growth,
-        };
-        let point = PlacedConvex {
-            convex: &point,
-            pose: Pose::at(origin),
-        };
-        let body = PlacedConvex {
-            convex: &body,
-            pose: self.pose,
-        };
-        let motion = Motion {
-            displacement_a: motion,
-            displacement_b: DVec3::ZERO,
-            initial: InitialTouch::Counts,
-        };
+        let point = Convex { core: Core::Point, radius: 0.0 };
+        let body = Convex { core: self.body.core.clone(), radius: self.body.radius + growth };
+        let point = PlacedConvex { convex: &point, pose: Pose::at(origin) };
+        let body = PlacedConvex { convex: &body, pose: self.pose };
+        let motion = Motion { displacement_a: motion, displacement_b: DVec3::ZERO, initial: InitialTouch::Counts };
         convex::linear_impact(point, body, &motion, self.accuracy, work)
     }
 }

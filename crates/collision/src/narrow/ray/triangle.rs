@@ -210,10 +210,7 @@ impl<'a> Sight<'a> {
         }
         let bound = if bound.lower <= bound.upper { bound } else { range };
         let bound = Bound::new(bound.lower + ray.shift - ray.error, bound.upper + ray.shift + ray.error);
-        Meeting {
-            bound,
-            best: (best + ray.shift).clamp(bound.lower, bound.upper),
-        }
+        Meeting { bound, best: (best + ray.shift).clamp(bound.lower, bound.upper) }
     }
 
     /// Whether the plane is met at the origin of the ray or after it; `None` if that is not known exactly.
@@ -221,9 +218,7 @@ impl<'a> Sight<'a> {
         let exact = self.ray.exact.as_ref()?;
         let normal = exact_normal(corners)?;
         let height = normal.dot(&ExactVector::difference(corners[0], exact.origin)).sign();
-        let speed = normal
-            .dot(&ExactVector::difference(exact.direction, DVec3::ZERO))
-            .sign();
+        let speed = normal.dot(&ExactVector::difference(exact.direction, DVec3::ZERO)).sign();
         Some(height == Ordering::Equal || height == speed)
     }
 }
@@ -247,28 +242,18 @@ fn exact_side(exact: &ExactRay, a: DVec3, b: DVec3) -> Sign {
     if !(a.is_in_range() && b.is_in_range()) {
         return Sign::Unknown;
     }
-    a.cross(&b)
-        .dot(&ExactVector::difference(exact.direction, DVec3::ZERO))
-        .sign()
-        .into()
+    a.cross(&b).dot(&ExactVector::difference(exact.direction, DVec3::ZERO)).sign().into()
 }
 
 /// From exact sums: an estimate of each is off by an ulp or two whatever cancels, and so is the length of the direction.
 fn exact_meeting(exact: &ExactRay, corners: [DVec3; 3]) -> Option<Meeting> {
     let normal = exact_normal(corners)?;
-    let height = normal
-        .dot(&ExactVector::difference(corners[0], exact.origin))
-        .estimate();
-    let speed = normal
-        .dot(&ExactVector::difference(exact.direction, DVec3::ZERO))
-        .estimate();
+    let height = normal.dot(&ExactVector::difference(corners[0], exact.origin)).estimate();
+    let speed = normal.dot(&ExactVector::difference(exact.direction, DVec3::ZERO)).estimate();
     if speed == 0.0 {
         return None;
     }
     let best = height / speed * exact.direction.length();
     let error = best.abs() * tolerance::EXACT_MEETING;
-    Some(Meeting {
-        bound: Bound::new(best - error, best + error),
-        best,
-    })
+    Some(Meeting { bound: Bound::new(best - error, best + error), best })
 }

@@ -16,10 +16,7 @@ use crate::{
 };
 
 fn at_origin(mesh: &Arc<TriangleMesh>) -> Placed {
-    Placed {
-        form: Form::Mesh(Arc::clone(mesh)),
-        pose: Pose::at(DVec3::ZERO),
-    }
+    Placed { form: Form::Mesh(Arc::clone(mesh)), pose: Pose::at(DVec3::ZERO) }
 }
 
 impl Case for SphereCastRecord {
@@ -33,14 +30,8 @@ impl Case for SphereCastRecord {
 
     fn questions(&self) -> Vec<Question> {
         vec![Question::Impact {
-            a: Placed {
-                form: Form::Sphere { radius: self.radius },
-                pose: Pose::at(self.origin),
-            },
-            motion_a: Motion {
-                displacement: self.displacement,
-                rotation_vector: DVec3::ZERO,
-            },
+            a: Placed { form: Form::Sphere { radius: self.radius }, pose: Pose::at(self.origin) },
+            motion_a: Motion { displacement: self.displacement, rotation_vector: DVec3::ZERO },
             b: at_origin(&self.mesh),
             motion_b: Motion::default(),
         }]
@@ -59,10 +50,7 @@ impl Case for SphereCastRecord {
         }
         if let (Some(time), Some(hit)) = (self.time, hits.first()) {
             if self.start != hit.initial && !self.ambiguous {
-                outcome.fault(
-                    FaultKind::Verdict,
-                    format!("start is {}, expected {}", hit.initial, self.start),
-                );
+                outcome.fault(FaultKind::Verdict, format!("start is {}, expected {}", hit.initial, self.start));
             }
             self.judge_time(hit, time, &mut outcome);
         }
@@ -89,22 +77,11 @@ impl SphereCastRecord {
         }
         let tolerance = tolerance::SPHERE_CAST * self.scale;
         let (gap, _) = self.gap(hit.fraction);
-        outcome.compare(
-            "gap at the claimed time",
-            gap,
-            0.0,
-            Limit {
-                tolerance,
-                scale: self.scale,
-            },
-        );
+        outcome.compare("gap at the claimed time", gap, 0.0, Limit { tolerance, scale: self.scale });
         // A later touch has no gap either; but on the way there the ball was in the mesh.
         let (between, _) = self.gap(0.5 * (hit.fraction + time));
         if hit.fraction > time && between < -tolerance {
-            outcome.fault(
-                FaultKind::Value,
-                format!("time {:e} is after the first touch {time:e}", hit.fraction),
-            );
+            outcome.fault(FaultKind::Value, format!("time {:e} is after the first touch {time:e}", hit.fraction));
         }
         let (_, to_mesh) = self.gap(time);
         let rate = self.displacement.dot(to_mesh).abs() / to_mesh.length();
@@ -125,17 +102,11 @@ impl Case for CapsuleMeshRecord {
 
     fn questions(&self) -> Vec<Question> {
         let (a, b) = (self.capsule(), at_origin(&self.mesh));
-        let overlap = Question::Overlap {
-            a: a.clone(),
-            b: b.clone(),
-        };
+        let overlap = Question::Overlap { a: a.clone(), b: b.clone() };
         if self.distance > 0.0 {
             return vec![overlap, Question::Distance { a, b }];
         }
-        let axis = Question::Distance {
-            a: self.axis(),
-            b: b.clone(),
-        };
+        let axis = Question::Distance { a: self.axis(), b: b.clone() };
         let max_gap = 0.0;
         vec![overlap, Question::Penetration { a, b, max_gap }, axis]
     }
@@ -153,10 +124,7 @@ impl Case for CapsuleMeshRecord {
                 None => outcome.fault(FaultKind::Verdict, "distance finds nothing"),
             },
             Some(Answer::Penetration(_, contacts)) => {
-                self.judge_faces(
-                    contacts.iter().filter_map(|contact| contact.face_of_b).collect(),
-                    &mut outcome,
-                );
+                self.judge_faces(contacts.iter().filter_map(|contact| contact.face_of_b).collect(), &mut outcome);
             }
             _ => {}
         }
@@ -171,13 +139,7 @@ impl CapsuleMeshRecord {
     /// The capsule without its radius.
     fn axis(&self) -> Placed {
         let half_height = self.half_height;
-        Placed {
-            form: Form::Capsule {
-                half_height,
-                radius: 0.0,
-            },
-            pose: self.pose,
-        }
+        Placed { form: Form::Capsule { half_height, radius: 0.0 }, pose: self.pose }
     }
 
     /// Where the capsule touches, the record still says how far its segment is from the surface.
@@ -190,67 +152,36 @@ impl CapsuleMeshRecord {
             return;
         };
         let truth = self.distance + self.radius;
-        let limit = Limit {
-            tolerance: tolerance::DISTANCE * self.scale,
-            scale: self.scale,
-        };
+        let limit = Limit { tolerance: tolerance::DISTANCE * self.scale, scale: self.scale };
         outcome.compare("distance of the axis", near.distance, truth, limit);
         let slack = tolerance::REFERENCE * self.scale;
         outcome.hold("distance of the axis", &near.claim, truth, slack);
     }
 
     fn capsule(&self) -> Placed {
-        Placed {
-            form: Form::Capsule {
-                half_height: self.half_height,
-                radius: self.radius,
-            },
-            pose: self.pose,
-        }
+        Placed { form: Form::Capsule { half_height: self.half_height, radius: self.radius }, pose: self.pose }
     }
 
     fn judge_distance(&self, near: &Near, outcome: &mut Outcome) {
-        let limit = Limit {
-            tolerance: tolerance::DISTANCE * self.scale,
-            scale: self.scale,
-        };
+        let limit = Limit { tolerance: tolerance::DISTANCE * self.scale, scale: self.scale };
         outcome.compare("distance", near.distance, self.distance, limit);
-        outcome.hold(
-            "distance",
-            &near.claim,
-            self.distance,
-            tolerance::REFERENCE * self.scale,
-        );
-        let sides = [
-            ("capsule", self.capsule(), near.point_on_a),
-            ("mesh", at_origin(&self.mesh), near.point_on_b),
-        ];
+        outcome.hold("distance", &near.claim, self.distance, tolerance::REFERENCE * self.scale);
+        let sides = [("capsule", self.capsule(), near.point_on_a), ("mesh", at_origin(&self.mesh), near.point_on_b)];
         for (side, placed, point) in sides {
             let beside = distance_to_surface(&placed, point);
             if exceeds(beside, limit.tolerance) {
-                outcome.fault(
-                    FaultKind::Witness,
-                    format!("point on {side} is {beside:.2e} beside its surface"),
-                );
+                outcome.fault(FaultKind::Witness, format!("point on {side} is {beside:.2e} beside its surface"));
             }
         }
     }
 
     /// All triangles that are surely touched must be among the contacts, and none that surely is not.
     fn judge_faces(&self, found: BTreeSet<u32>, outcome: &mut Outcome) {
-        let missing: Vec<u32> = self
-            .faces
-            .iter()
-            .copied()
-            .filter(|face| !found.contains(face))
-            .collect();
+        let missing: Vec<u32> = self.faces.iter().copied().filter(|face| !found.contains(face)).collect();
         let allowed = |face: &u32| self.faces.contains(face) || self.maybe.contains(face);
         let extra: Vec<u32> = found.iter().copied().filter(|face| !allowed(face)).collect();
         if !missing.is_empty() || !extra.is_empty() {
-            outcome.fault(
-                FaultKind::Witness,
-                format!("contacts lack faces {missing:?}, and have {extra:?} too many"),
-            );
+            outcome.fault(FaultKind::Witness, format!("contacts lack faces {missing:?}, and have {extra:?} too many"));
         }
     }
 }

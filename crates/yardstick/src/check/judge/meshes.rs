@@ -18,13 +18,7 @@ impl Case for MeshPairRecord {
 
     fn questions(&self) -> Vec<Question> {
         let (a, b) = (self.a.clone(), self.b.clone());
-        vec![
-            Question::Overlap {
-                a: a.clone(),
-                b: b.clone(),
-            },
-            Question::Distance { a, b },
-        ]
+        vec![Question::Overlap { a: a.clone(), b: b.clone() }, Question::Distance { a, b }]
     }
 
     fn judge(&self, replies: &[Reply]) -> Outcome {
@@ -32,11 +26,7 @@ impl Case for MeshPairRecord {
         if let Some(answer) = outcome.answer("overlap", &replies[0])
             && !self.ambiguous
         {
-            outcome.verdict(
-                "overlap",
-                answer.verdict(),
-                self.crossing_count > 0 || self.distance <= 0.0,
-            );
+            outcome.verdict("overlap", answer.verdict(), self.crossing_count > 0 || self.distance <= 0.0);
         }
         if let Some(Answer::Distance(_, hits)) = outcome.answer("distance", &replies[1]) {
             match hits.first() {
@@ -50,34 +40,20 @@ impl Case for MeshPairRecord {
 
 impl MeshPairRecord {
     fn judge_distance(&self, near: &Near, outcome: &mut Outcome) {
-        let limit = Limit {
-            tolerance: tolerance::MESH * self.scale + self.pose_error,
-            scale: self.scale,
-        };
+        let limit = Limit { tolerance: tolerance::MESH * self.scale + self.pose_error, scale: self.scale };
         outcome.compare("distance", near.distance, self.distance, limit);
-        outcome.hold(
-            "distance",
-            &near.claim,
-            self.distance,
-            tolerance::REFERENCE * self.scale + self.pose_error,
-        );
+        outcome.hold("distance", &near.claim, self.distance, tolerance::REFERENCE * self.scale + self.pose_error);
         if self.distance <= 0.0 {
             return;
         }
         let apart = near.point_on_a.distance(near.point_on_b);
         if exceeds((apart - self.distance).abs(), limit.tolerance) {
-            outcome.fault(
-                FaultKind::Witness,
-                format!("points are {apart:e} apart, expected {:e}", self.distance),
-            );
+            outcome.fault(FaultKind::Witness, format!("points are {apart:e} apart, expected {:e}", self.distance));
         }
         for (side, placed, point) in [("a", &self.a, near.point_on_a), ("b", &self.b, near.point_on_b)] {
             let beside = distance_to_surface(placed, point);
             if exceeds(beside, limit.tolerance) {
-                outcome.fault(
-                    FaultKind::Witness,
-                    format!("point on {side} is {beside:.2e} beside its surface"),
-                );
+                outcome.fault(FaultKind::Witness, format!("point on {side} is {beside:.2e} beside its surface"));
             }
         }
     }

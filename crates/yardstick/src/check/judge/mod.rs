@@ -44,10 +44,7 @@ pub struct Outcome {
 impl Outcome {
     /// Notes a fault.
     pub fn fault(&mut self, kind: FaultKind, what: impl Into<String>) {
-        self.faults.push(Fault {
-            kind,
-            what: what.into(),
-        });
+        self.faults.push(Fault { kind, what: what.into() });
     }
 
     /// Compares a value with the truth. NaN is a fault.
@@ -64,11 +61,7 @@ impl Outcome {
     }
 
     fn note_error(&mut self, error_over_scale: f64) {
-        let error = if error_over_scale.is_nan() {
-            f64::INFINITY
-        } else {
-            error_over_scale
-        };
+        let error = if error_over_scale.is_nan() { f64::INFINITY } else { error_over_scale };
         self.error_over_scale = Some(self.error_over_scale.map_or(error, |before| before.max(error)));
     }
 
@@ -76,10 +69,7 @@ impl Outcome {
     pub(super) fn hold(&mut self, what: &str, claim: &Claim, truth: f64, slack: f64) {
         if !claim.holds(truth, slack) {
             let Claim { lower, upper, .. } = claim;
-            self.fault(
-                FaultKind::Interval,
-                format!("{what} [{lower:e}, {upper:e}] misses {truth:e}"),
-            );
+            self.fault(FaultKind::Interval, format!("{what} [{lower:e}, {upper:e}] misses {truth:e}"));
         }
     }
 
@@ -87,10 +77,7 @@ impl Outcome {
     fn verdict(&mut self, what: &str, found: Verdict, touches: bool) {
         let expected = if touches { Verdict::Hit } else { Verdict::Miss };
         if found != expected {
-            self.fault(
-                FaultKind::Verdict,
-                format!("{what} says {found:?}, expected {expected:?}"),
-            );
+            self.fault(FaultKind::Verdict, format!("{what} says {found:?}, expected {expected:?}"));
         }
     }
 

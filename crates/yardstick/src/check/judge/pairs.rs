@@ -21,18 +21,11 @@ impl Case for PairRecord {
     fn questions(&self) -> Vec<Question> {
         let (a, b) = (self.a.clone(), self.b.clone());
         let value = if self.distance > 0.0 {
-            Question::Distance {
-                a: a.clone(),
-                b: b.clone(),
-            }
+            Question::Distance { a: a.clone(), b: b.clone() }
         } else {
             // At exact touch the reference itself may be off by a rounding, so a gap of that size is let in.
             let max_gap = self.tolerance();
-            Question::Penetration {
-                a: a.clone(),
-                b: b.clone(),
-                max_gap,
-            }
+            Question::Penetration { a: a.clone(), b: b.clone(), max_gap }
         };
         vec![Question::Overlap { a, b }, value]
     }
@@ -77,10 +70,7 @@ impl PairRecord {
     }
 
     fn judge_distance(&self, near: &Near, outcome: &mut Outcome) {
-        let limit = Limit {
-            tolerance: self.tolerance(),
-            scale: self.scale,
-        };
+        let limit = Limit { tolerance: self.tolerance(), scale: self.scale };
         outcome.compare("distance", near.distance, self.distance, limit);
         outcome.hold("distance", &near.claim, self.distance, self.slack());
         match near.normal_b_to_a {
@@ -92,28 +82,19 @@ impl PairRecord {
         let off = self.tolerance() + tolerance::WORLD_POINT * far;
         let apart = near.point_on_a.distance(near.point_on_b);
         if exceeds((apart - self.distance).abs(), off) {
-            outcome.fault(
-                FaultKind::Witness,
-                format!("points are {apart:e} apart, expected {:e}", self.distance),
-            );
+            outcome.fault(FaultKind::Witness, format!("points are {apart:e} apart, expected {:e}", self.distance));
         }
         for (side, placed, point) in [("a", &self.a, near.point_on_a), ("b", &self.b, near.point_on_b)] {
             let beside = distance_to_surface(placed, point);
             if exceeds(beside, off) {
-                outcome.fault(
-                    FaultKind::Witness,
-                    format!("point on {side} is {beside:.2e} beside its surface"),
-                );
+                outcome.fault(FaultKind::Witness, format!("point on {side} is {beside:.2e} beside its surface"));
             }
         }
     }
 
     fn judge_contact(&self, contact: &ContactAnswer, outcome: &mut Outcome) {
         let depth = -self.distance;
-        let limit = Limit {
-            tolerance: self.tolerance(),
-            scale: self.scale,
-        };
+        let limit = Limit { tolerance: self.tolerance(), scale: self.scale };
         outcome.compare("depth", contact.depth, depth, limit);
         outcome.hold("depth", &contact.claim, depth, self.slack());
         self.judge_normal(-contact.normal_b_to_a, self.distance, outcome);
@@ -122,10 +103,7 @@ impl PairRecord {
     /// A normal is right if the gap along it is the signed distance: it need not be the reference's.
     fn judge_normal(&self, a_to_b: DVec3, signed_distance: f64, outcome: &mut Outcome) {
         if exceeds((a_to_b.length() - 1.0).abs(), tolerance::UNIT) {
-            outcome.fault(
-                FaultKind::Witness,
-                format!("the normal has length {:e}", a_to_b.length()),
-            );
+            outcome.fault(FaultKind::Witness, format!("the normal has length {:e}", a_to_b.length()));
             return;
         }
         let gap = separation_along(&self.a, &self.b, a_to_b);
@@ -146,10 +124,7 @@ mod tests {
 
     /// Two unit balls along x, `gap` apart.
     fn balls(gap: f64) -> PairRecord {
-        let ball = |x: f64| Placed {
-            form: Form::Sphere { radius: 1.0 },
-            pose: Pose::at(DVec3::X * x),
-        };
+        let ball = |x: f64| Placed { form: Form::Sphere { radius: 1.0 }, pose: Pose::at(DVec3::X * x) };
         PairRecord {
             index: 0,
             category: "test".to_owned(),
@@ -167,25 +142,13 @@ mod tests {
             point_on_a: DVec3::X,
             point_on_b: DVec3::X * 2.0,
             normal_b_to_a: Some(DVec3::NEG_X),
-            claim: Claim {
-                verdict: Verdict::Hit,
-                lower: 1.0 - 1e-15,
-                upper: 1.0 + 1e-15,
-            },
+            claim: Claim { verdict: Verdict::Hit, lower: 1.0 - 1e-15, upper: 1.0 + 1e-15 },
         }
     }
 
     fn faults_apart(near: Near) -> Vec<FaultKind> {
-        let replies = [
-            Ok(Answer::Overlap(Verdict::Miss, None)),
-            Ok(Answer::Distance(Verdict::Hit, vec![near])),
-        ];
-        balls(1.0)
-            .judge(&replies)
-            .faults
-            .iter()
-            .map(|fault| fault.kind)
-            .collect()
+        let replies = [Ok(Answer::Overlap(Verdict::Miss, None)), Ok(Answer::Distance(Verdict::Hit, vec![near]))];
+        balls(1.0).judge(&replies).faults.iter().map(|fault| fault.kind).collect()
     }
 
     #[test]
@@ -197,49 +160,14 @@ mod tests {
     fn each_altered_part_is_its_own_fault() {
         let near = right_near();
         let off = 1e-8;
-        assert_eq!(
-            faults_apart(Near {
-                distance: 1.0 + off,
-                ..near
-            }),
-            vec![FaultKind::Value]
-        );
-        assert_eq!(
-            faults_apart(Near {
-                distance: f64::NAN,
-                ..near
-            }),
-            vec![FaultKind::Value]
-        );
+        assert_eq!(faults_apart(Near { distance: 1.0 + off, ..near }), vec![FaultKind::Value]);
+        assert_eq!(faults_apart(Near { distance: f64::NAN, ..near }), vec![FaultKind::Value]);
         let tilted = DVec3::new(-1.0, 1e-3, 0.0).normalize();
-        assert_eq!(
-            faults_apart(Near {
-                normal_b_to_a: Some(tilted),
-                ..near
-            }),
-            vec![FaultKind::Witness]
-        );
-        assert_eq!(
-            faults_apart(Near {
-                normal_b_to_a: None,
-                ..near
-            }),
-            vec![FaultKind::Witness]
-        );
+        assert_eq!(faults_apart(Near { normal_b_to_a: Some(tilted), ..near }), vec![FaultKind::Witness]);
+        assert_eq!(faults_apart(Near { normal_b_to_a: None, ..near }), vec![FaultKind::Witness]);
         let sideways = DVec3::new(1.0, 1e-3, 0.0);
-        assert!(
-            faults_apart(Near {
-                point_on_a: sideways,
-                ..near
-            })
-            .iter()
-            .all(|kind| *kind == FaultKind::Witness)
-        );
-        let claim = Claim {
-            lower: 1.0 + off,
-            upper: 2.0,
-            ..near.claim
-        };
+        assert!(faults_apart(Near { point_on_a: sideways, ..near }).iter().all(|kind| *kind == FaultKind::Witness));
+        let claim = Claim { lower: 1.0 + off, upper: 2.0, ..near.claim };
         assert_eq!(faults_apart(Near { claim, ..near }), vec![FaultKind::Interval]);
     }
 
@@ -249,16 +177,10 @@ mod tests {
             normal_b_to_a: DVec3::NEG_X,
             depth: 0.5,
             face_of_b: None,
-            claim: Claim {
-                verdict: Verdict::Hit,
-                lower: 0.5,
-                upper: 0.5,
-            },
+            claim: Claim { verdict: Verdict::Hit, lower: 0.5, upper: 0.5 },
         };
-        let replies = [
-            Ok(Answer::Overlap(Verdict::Undecided, None)),
-            Ok(Answer::Penetration(Verdict::Hit, vec![contact])),
-        ];
+        let replies =
+            [Ok(Answer::Overlap(Verdict::Undecided, None)), Ok(Answer::Penetration(Verdict::Hit, vec![contact]))];
         let mut record = balls(-0.5);
         assert_eq!(record.judge(&replies).faults[0].kind, FaultKind::Verdict);
         record.ambiguous = true;

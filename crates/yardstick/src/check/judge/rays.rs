@@ -52,15 +52,7 @@ impl RayRecord {
             return;
         };
         let tolerance = tolerance::RAY * self.scale / truth.cos.max(tolerance::RAY_COS_MIN);
-        outcome.compare(
-            "ray",
-            hit.distance,
-            distance,
-            Limit {
-                tolerance,
-                scale: self.scale,
-            },
-        );
+        outcome.compare("ray", hit.distance, distance, Limit { tolerance, scale: self.scale });
         let slack = tolerance::REFERENCE * self.scale / truth.cos.max(tolerance::RAY_COS_MIN);
         outcome.hold("ray", &hit.claim, distance, slack);
         if !self.ambiguous && !hit.face.is_some_and(|face| truth.faces.contains(&face)) {
@@ -88,52 +80,29 @@ mod tests {
             index: 0,
             category: "test".to_owned(),
             ambiguous: false,
-            target: Placed {
-                form: Form::Mesh(mesh),
-                pose: Pose::at(DVec3::ZERO),
-            },
+            target: Placed { form: Form::Mesh(mesh), pose: Pose::at(DVec3::ZERO) },
             origin: DVec3::new(0.25, 0.25, 2.0),
             direction: DVec3::NEG_Z * 4.0,
             max_t: f64::INFINITY,
-            hit: Some(RayTruth {
-                t: 0.5,
-                faces: vec![0],
-                cos: 1.0,
-            }),
+            hit: Some(RayTruth { t: 0.5, faces: vec![0], cos: 1.0 }),
             scale: 3.0,
         }
     }
 
     fn answer(distance: f64, face: u32) -> RayAnswer {
-        let claim = Claim {
-            verdict: Verdict::Hit,
-            lower: distance - 1e-15,
-            upper: distance + 1e-15,
-        };
-        RayAnswer {
-            distance,
-            face: Some(face),
-            claim,
-        }
+        let claim = Claim { verdict: Verdict::Hit, lower: distance - 1e-15, upper: distance + 1e-15 };
+        RayAnswer { distance, face: Some(face), claim }
     }
 
     fn faults(verdict: Verdict, hits: Vec<RayAnswer>) -> Vec<FaultKind> {
-        record()
-            .judge(&[Ok(Answer::Ray(verdict, hits))])
-            .faults
-            .iter()
-            .map(|fault| fault.kind)
-            .collect()
+        record().judge(&[Ok(Answer::Ray(verdict, hits))]).faults.iter().map(|fault| fault.kind).collect()
     }
 
     #[test]
     fn only_the_right_answer_is_right() {
         assert_eq!(faults(Verdict::Hit, vec![answer(2.0, 0)]), vec![]);
         assert_eq!(faults(Verdict::Hit, vec![answer(2.0, 1)]), vec![FaultKind::Witness]);
-        assert_eq!(
-            faults(Verdict::Hit, vec![answer(2.0 + 1e-10, 0)]),
-            vec![FaultKind::Value, FaultKind::Interval]
-        );
+        assert_eq!(faults(Verdict::Hit, vec![answer(2.0 + 1e-10, 0)]), vec![FaultKind::Value, FaultKind::Interval]);
         assert_eq!(faults(Verdict::Miss, vec![]), vec![FaultKind::Verdict]);
         assert_eq!(faults(Verdict::Undecided, vec![]), vec![FaultKind::Verdict]);
     }

@@ -70,10 +70,7 @@ impl ToiRecord {
     fn judge_start(&self, hit: &ImpactAnswer, outcome: &mut Outcome) {
         outcome.note_error(hit.fraction.abs());
         if hit.fraction != 0.0 {
-            outcome.fault(
-                FaultKind::Value,
-                format!("time {:e}, expected 0: they overlap at the start", hit.fraction),
-            );
+            outcome.fault(FaultKind::Value, format!("time {:e}, expected 0: they overlap at the start", hit.fraction));
         }
         if !hit.initial {
             outcome.fault(FaultKind::Witness, "they overlap at the start, which is not said");
@@ -92,18 +89,11 @@ impl ToiRecord {
         outcome.note_error(way / self.scale);
         let excused = self.turns() && hit.normal_b_to_a.is_some();
         if exceeds(way, self.tolerance()) && !excused {
-            let what = format!(
-                "time {:e}, expected {time:e}: {way:.2e} of way > {:.2e}",
-                hit.fraction,
-                self.tolerance()
-            );
+            let what =
+                format!("time {:e}, expected {time:e}: {way:.2e} of way > {:.2e}", hit.fraction, self.tolerance());
             outcome.fault(FaultKind::Value, what);
         }
-        let reference = if self.turns() {
-            tolerance::ROTATING
-        } else {
-            tolerance::REFERENCE
-        };
+        let reference = if self.turns() { tolerance::ROTATING } else { tolerance::REFERENCE };
         let gap = reference * (self.scale + self.speed) + tolerance::REFERENCE_IMPACT_GAP + self.end_rounding();
         let slack = gap / rate;
         outcome.hold("time", &hit.claim, time, slack);
@@ -119,28 +109,18 @@ impl ToiRecord {
     fn end_rounding(&self) -> f64 {
         let rounding = |pose: &Pose, motion: &Motion| {
             let end = pose.position + motion.displacement;
-            if end - pose.position == motion.displacement {
-                0.0
-            } else {
-                f64::EPSILON * end.length()
-            }
+            if end - pose.position == motion.displacement { 0.0 } else { f64::EPSILON * end.length() }
         };
         rounding(&self.a.pose, &self.motion_a) + rounding(&self.b.pose, &self.motion_b)
     }
 
     fn judge_normal(&self, a_to_b: DVec3, time: f64, outcome: &mut Outcome) {
-        let gap = separation_along(
-            &moved(&self.a, &self.motion_a, time),
-            &moved(&self.b, &self.motion_b, time),
-            a_to_b,
-        );
+        let gap =
+            separation_along(&moved(&self.a, &self.motion_a, time), &moved(&self.b, &self.motion_b, time), a_to_b);
         let unit_error = (a_to_b.length() - 1.0).abs();
         let allowed = tolerance::IMPACT_NORMAL * self.scale + tolerance::SPEED * self.speed;
         if exceeds(unit_error, tolerance::UNIT) || exceeds(gap.abs(), allowed) {
-            outcome.fault(
-                FaultKind::Witness,
-                format!("the gap along the normal at the touch is {gap:e}"),
-            );
+            outcome.fault(FaultKind::Witness, format!("the gap along the normal at the touch is {gap:e}"));
         }
     }
 }
@@ -148,16 +128,9 @@ impl ToiRecord {
 /// Where a form is at a time of its motion.
 fn moved(placed: &Placed, motion: &Motion, time: f64) -> Placed {
     let angle = motion.rotation_vector.length() * time;
-    let turn = motion
-        .rotation_vector
-        .try_normalize()
-        .map_or(DQuat::IDENTITY, |axis| DQuat::from_axis_angle(axis, angle));
-    let pose = Pose {
-        position: placed.pose.position + motion.displacement * time,
-        rotation: turn * placed.pose.rotation,
-    };
-    Placed {
-        form: placed.form.clone(),
-        pose,
-    }
+    let turn =
+        motion.rotation_vector.try_normalize().map_or(DQuat::IDENTITY, |axis| DQuat::from_axis_angle(axis, angle));
+    let pose =
+        Pose { position: placed.pose.position + motion.displacement * time, rotation: turn * placed.pose.rotation };
+    Placed { form: placed.form.clone(), pose }
 }
