@@ -151,3 +151,35 @@ fn huge_hulls_answer_within_bounded_work() {
     let apart = hull.moved(DVec3::X * 3.0);
     assert!((distance(&hull, &apart) - 1.0).abs() < 0.01);
 }
+
+#[test]
+fn faces_that_are_all_but_parallel_are_measured_to_the_corner() {
+    // The nearest points of these are a corner and a face, farther in by a part in 10^10 than where the first plane that
+    // GJK finds is proved.
+    let plank = |position: DVec3, rotation: DQuat| Body {
+        geometry: Geometry::cuboid(DVec3::new(0.5, 0.25, 1.0)).expect("a size"),
+        pose: Pose::new(position, rotation),
+    };
+    let mut noise = Noise(17);
+    for round in 0..500 {
+        let tilt = 10f64.powi(-4 - round % 12);
+        let rotation = DQuat::from_xyzw(1.0 + tilt * noise.signed(), tilt * noise.signed(), tilt * noise.signed(), 1.0);
+        let (a, b) = (
+            plank(DVec3::ZERO, DQuat::from_xyzw(1.0, 0.0, 0.0, 1.0)),
+            plank(DVec3::new(noise.between(1.01, 1.5), 0.0, 0.0), rotation),
+        );
+        let answer = narrow::distance(a.placed(), b.placed(), f64::INFINITY, &EXACT, &mut Work::default());
+        let bound = answer.expect("no limit").certificate.bound;
+        assert!(bound.width() < 1e-12, "tilt {tilt}: {bound:?}");
+    }
+}
+
+#[test]
+fn what_overlaps_at_rest_is_touched_at_the_start_of_any_way() {
+    let (a, b) = (cube(0.5, DVec3::ZERO), cube(0.5, DVec3::X * (1.0 - 1e-12)));
+    let motion = Motion { displacement_a: -DVec3::X * 1e6, displacement_b: DVec3::ZERO, initial: InitialTouch::Counts };
+    let touch = narrow::linear_impact(a.placed(), b.placed(), &motion, &EXACT, &mut Work::default()).expect("a touch");
+    assert_eq!((touch.fraction, touch.initial, touch.certificate.verdict), (0.0, true, Verdict::Hit));
+    let ignored = Motion { initial: InitialTouch::IsIgnored, ..motion };
+    assert!(narrow::linear_impact(a.placed(), b.placed(), &ignored, &EXACT, &mut Work::default()).is_none());
+}

@@ -18,8 +18,8 @@ use super::{
 use crate::{answer::Stop, tolerance::PAIR_ROUNDING};
 
 /// Most vertices that join the features of a nearest point once it has settled. One or two do for faces that meet at an
-/// edge; the rest is for slivers.
-const POLISH_ROUNDS: u32 = 6;
+/// edge; the rest is for slivers and for round hulls.
+const POLISH_ROUNDS: u32 = 32;
 
 /// What is known of the gap between two cores, in the pair's frame.
 pub(super) struct Gap {
@@ -62,8 +62,7 @@ pub(super) fn gap(pair: &Pair<'_>, budget: u32, is_enough: impl Fn(f64, f64) -> 
         }
         let is_closed = length - search.lower <= 2.0 * PAIR_ROUNDING;
         if is_closed || !search.advance(vertex, length) {
-            let refined = search.polish(nearest / length, length);
-            if refined.is_none_or(|vertex| !search.advance(vertex, length)) {
+            if !search.polish(nearest / length, length) {
                 return search.end(Stop::Converged);
             }
         }
@@ -114,26 +113,27 @@ impl Search<'_> {
 
     /// Raises the lower bound by normals of the features that support the nearest point. Where that point lies within
     /// rounding of an edge between faces, no vertex brings it measurably nearer, though the plane may still lean by the
-    /// square root of that: so support vertices beyond the plane join the features until there are none. Returns the
-    /// first such vertex.
-    fn polish(&mut self, toward: DVec3, length: f64) -> Option<Vertex> {
+    /// square root of that. So the features are refined as a portal is: support vertices beyond their plane join them,
+    /// and of four the triangle that the way to the origin leads through is kept. Says whether the features that were
+    /// found lie nearer than `length`: between faces that are all but parallel the true nearest point may be far along
+    /// them.
+    ///
+    /// Portal refinement: Snethen, "Xenocollide" (Game Programming Gems 7, 2008).
+    fn polish(&mut self, toward: DVec3, length: f64) -> bool {
         let mut features = self.simplex;
-        let mut first = None;
         for _ in 0..POLISH_ROUNDS {
             let vertex = self.raise_lower(feature_normal(&features, toward));
-            if features.contains(&vertex) {
+            if features.contains(&vertex) || length - self.lower <= 2.0 * PAIR_ROUNDING {
                 break;
             }
-            first = first.or(Some(vertex));
-            if length - self.lower <= 2.0 * PAIR_ROUNDING {
-                break;
-            }
-            features = features.grown_or_swapped(vertex, |candidate| {
-                let normal = feature_normal(candidate, toward);
-                normal.dot(support(self.pair, normal).point)
-            });
+            features = features.grown_or_swapped(vertex);
         }
-        first
+        let next = features.nearest();
+        let is_nearer = next.point().length() < length;
+        if is_nearer {
+            self.simplex = next;
+        }
+        is_nearer
     }
 
     fn end(self, stop: Stop) -> Gap {

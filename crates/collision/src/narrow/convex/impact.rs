@@ -33,8 +33,7 @@ pub(crate) fn linear_impact(
     let relative = motion.displacement_a - motion.displacement_b;
     let is_swapped = order::is_swapped(a, b);
     let (first, second, way) = if is_swapped { (b, a, -relative) } else { (a, b, relative) };
-    let pair = Pair::new(first, second, relative.length());
-    let mut search = Search::new(pair, way, accuracy.budget);
+    let mut search = Search::new([first, second], way, accuracy.budget);
     let outcome = search.first_touch(motion.initial);
     work.pairs_tested += 1;
     work.iterations += u64::from(search.iterations);
@@ -59,6 +58,7 @@ pub(crate) fn linear_impact(
 
 /// A pair in motion: `a` stands, `b` goes by `-way` over the time from 0 to 1.
 struct Search<'a> {
+    placed: [PlacedConvex<'a>; 2],
     pair: Pair<'a>,
     start: DVec3,
     way: DVec3,
@@ -88,10 +88,12 @@ enum Step {
 }
 
 impl<'a> Search<'a> {
-    fn new(pair: Pair<'a>, way: DVec3, budget: u32) -> Self {
+    fn new(placed: [PlacedConvex<'a>; 2], way: DVec3, budget: u32) -> Self {
+        let [a, b] = placed;
+        let pair = Pair::new(a, b, way.length());
         let start = pair.b.position;
         let way = pair.displacement_in(way);
-        Self { pair, start, way, budget, iterations: 0 }
+        Self { placed, pair, start, way, budget, iterations: 0 }
     }
 
     fn go_to(&mut self, time: f64) {
@@ -112,7 +114,7 @@ impl<'a> Search<'a> {
                 Step::Free => return None,
                 Step::FreeUntil(next) if next > 1.0 => return None,
                 Step::FreeUntil(next) => time = next,
-                Step::Closed(_) if time == 0.0 && initial == InitialTouch::IsIgnored => return None,
+                Step::Closed(stop) if time == 0.0 => return self.initial_touch(&gap, normal, stop, initial),
                 Step::Closed(stop) => return Some(self.prove_touch(time, &gap, normal, stop)),
             }
         }
@@ -137,6 +139,28 @@ impl<'a> Search<'a> {
         Step::Closed(if self.iterations < self.budget { Stop::Converged } else { Stop::Budget })
     }
 
+    /// What the start is. The pair at rest is asked, whose frame is finer than that of a long way.
+    fn initial_touch(
+        &mut self,
+        gap: &gjk::Gap,
+        normal: Option<DVec3>,
+        stop: Stop,
+        initial: InitialTouch,
+    ) -> Option<Touch> {
+        let [a, b] = self.placed;
+        let (verdict, iterations) = verdict_of(&Pair::new(a, b, 0.0), self.budget);
+        self.iterations = self.iterations.saturating_add(iterations);
+        if verdict != Verdict::Miss && initial == InitialTouch::IsIgnored {
+            return None;
+        }
+        let mut touch = self.prove_touch(0.0, gap, normal, stop);
+        touch.is_initial = verdict != Verdict::Miss;
+        if verdict == Verdict::Hit {
+            touch = Touch { fraction: 0.0, bound: Bound::new(0.0, 0.0), verdict, normal: None, ..touch };
+        }
+        Some(touch)
+    }
+
     /// From a gap within rounding at `time`: seeks an instant of proved overlap at doubling steps beyond it.
     fn prove_touch(&mut self, time: f64, gap: &gjk::Gap, normal: Option<DVec3>, stop: Stop) -> Touch {
         let closing = normal.map_or(0.0, |normal| -normal.dot(self.way));
@@ -146,10 +170,6 @@ impl<'a> Search<'a> {
         let point = on_a + (on_b - on_a) * share;
         let mut ahead = if closing > 0.0 { 4.0 * PAIR_ROUNDING / closing } else { PAIR_ROUNDING };
         let mut proved = None;
-        let is_initial = time == 0.0;
-        if is_initial && self.is_overlap_at(0.0) {
-            proved = Some(0.0);
-        }
         while proved.is_none() {
             let instant = (time + ahead).min(1.0);
             if self.is_overlap_at(instant) {
@@ -159,26 +179,31 @@ impl<'a> Search<'a> {
             }
             ahead *= 4.0;
         }
-        let is_inside = is_initial && proved == Some(0.0);
         let bound = Bound::new(time, proved.unwrap_or(1.0));
         // The free way is counted to where the gap is surely open; the best value goes the rest of it.
-        let rest = if closing > 0.0 && !is_initial { (gap.length - self.pair.radius()) / closing } else { 0.0 };
+        let rest = if closing > 0.0 { (gap.length - self.pair.radius()) / closing } else { 0.0 };
         Touch {
             fraction: (time + rest).clamp(bound.lower, bound.upper),
             bound,
             verdict: if proved.is_some() { Verdict::Hit } else { Verdict::Undecided },
             stop,
-            normal: if is_inside { None } else { normal },
+            normal,
             point,
-            is_initial,
+            is_initial: false,
         }
     }
 
     fn is_overlap_at(&mut self, time: f64) -> bool {
         self.go_to(time);
-        let radius = self.pair.radius();
-        let gap = gjk::gap(&self.pair, self.budget, |lower, upper| lower > radius || upper <= radius);
-        self.iterations = self.iterations.saturating_add(gap.iterations);
-        separation::signed_gap(&self.pair, &gap).verdict() == Verdict::Hit
+        let (verdict, iterations) = verdict_of(&self.pair, self.budget);
+        self.iterations = self.iterations.saturating_add(iterations);
+        verdict == Verdict::Hit
     }
+}
+
+/// Whether a pair overlaps where it is, and the iterations that this took.
+fn verdict_of(pair: &Pair<'_>, budget: u32) -> (Verdict, u32) {
+    let radius = pair.radius();
+    let gap = gjk::gap(pair, budget, |lower, upper| lower > radius || upper <= radius);
+    (separation::signed_gap(pair, &gap).verdict(), gap.iterations)
 }

@@ -70,8 +70,8 @@ impl Simplex {
         grown.nearest()
     }
 
-    /// These vertices and `vertex`; of four those three with `vertex` whose `height` is greatest.
-    pub(super) fn grown_or_swapped(&self, vertex: Vertex, height: impl Fn(&Self) -> f64) -> Self {
+    /// These vertices and `vertex`; of four those three with `vertex` whose triangle is nearest to the origin.
+    pub(super) fn grown_or_swapped(&self, vertex: Vertex) -> Self {
         let mut grown = *self;
         if self.count < 3 {
             grown.vertices[self.count] = vertex;
@@ -79,12 +79,12 @@ impl Simplex {
             return grown;
         }
         grown.vertices[3] = vertex;
-        let mut best = (f64::NEG_INFINITY, grown.part([0, 1, 3], [0.0; 3]));
+        let mut best = (f64::INFINITY, *self);
         for members in [[0, 1, 3], [0, 2, 3], [1, 2, 3]] {
             let candidate = grown.part(members, [0.0; 3]);
-            let value = height(&candidate);
-            if value > best.0 {
-                best = (value, candidate);
+            let distance = candidate.nearest().point().length();
+            if distance < best.0 {
+                best = (distance, candidate);
             }
         }
         best.1
@@ -121,7 +121,8 @@ impl Simplex {
         part
     }
 
-    fn nearest(&self) -> Self {
+    /// The part of this simplex that is nearest to the origin.
+    pub(super) fn nearest(&self) -> Self {
         match self.count {
             1 => self.part([0], [1.0]),
             2 => self.segment([0, 1]),
