@@ -26,6 +26,9 @@ pub(crate) enum When {
     At(Time),
 }
 
+/// The time of an empty world's first tick: before that of any clock, so that simulations may bring their own.
+const BEGINNING: Time = Time(0);
+
 /// What a unary edit did: what a retry of it is answered with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Committed {
@@ -73,7 +76,7 @@ impl Writer {
     /// The world cannot be made.
     pub(crate) fn new() -> Checked<Self> {
         Ok(Self {
-            world: fenced("making a world", || World::new(now()))?,
+            world: fenced("making a world", || World::new(BEGINNING))?,
             retries: RetryCache::default(),
             quarantine: None,
             named: HashMap::new(),

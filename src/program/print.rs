@@ -74,7 +74,9 @@ pub(crate) fn world(world: &proto::DescribeWorldResponse) -> String {
         if let Some(time) = &built.build_time {
             line += &format!(", built in {}", seconds(time));
         }
-        line += &format!(", first needed at tick {}", built.first_tick);
+        if built.first_tick > 0 {
+            line += &format!(", first needed at tick {}", built.first_tick);
+        }
         lines.push(line);
     }
     lines.join("\n")

@@ -156,6 +156,7 @@ async fn times_go_on_and_never_back_and_durability_is_not_pretended() {
         time: Some(prost_types::Timestamp { seconds, nanos: 0 }),
         ..pb::EditRequest::default()
     };
+    bench.worlds.edit(timed(5)).await.expect("the clock of a simulation may begin anywhere");
     bench.worlds.edit(timed(9_000_000_000)).await.unwrap();
     assert_eq!(bench.describe().await.time.unwrap().seconds, 9_000_000_000);
     let status = bench.worlds.edit(timed(8_999_999_999)).await.unwrap_err();

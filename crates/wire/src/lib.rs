@@ -4,7 +4,12 @@
 //! knows nothing of collision.
 
 /// The API, version 1.
-#[allow(missing_docs, clippy::all, reason = "generated: the .proto files carry the documentation")]
+#[allow(
+    missing_docs,
+    clippy::all,
+    rustdoc::broken_intra_doc_links,
+    reason = "generated: the .proto files carry the documentation"
+)]
 pub mod v1 {
     tonic::include_proto!("calipers.v1");
 
