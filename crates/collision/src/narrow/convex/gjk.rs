@@ -60,11 +60,9 @@ pub(super) fn gap(pair: &Pair<'_>, budget: u32, is_enough: impl Fn(f64, f64) -> 
         if is_enough(search.lower, length + PAIR_ROUNDING) {
             return search.end(Stop::Tolerance);
         }
-        let is_closed = length - search.lower <= 2.0 * PAIR_ROUNDING;
-        if is_closed || !search.advance(vertex, length) {
-            if !search.polish(nearest / length, length) {
-                return search.end(Stop::Converged);
-            }
+        let is_settled = length - search.lower <= 2.0 * PAIR_ROUNDING || !search.advance(vertex, length);
+        if is_settled && !search.polish(nearest / length, length) {
+            return search.end(Stop::Converged);
         }
         if search.simplex.vertices().len() == 4 {
             return search.end(Stop::Converged);
