@@ -8,61 +8,16 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 
-use super::quickhull::{self, Solid};
+use super::{
+    quickhull,
+    topology::{Edge, Face, Topology},
+};
 
 /// The convex hull of points, which may be flat, straight or a single point.
 #[derive(Debug)]
 pub struct Hull {
     vertices: Vec<DVec3>,
     topology: OnceLock<Topology>,
-}
-
-/// How a hull is made up. Lower-dimensional hulls answer every question that solid ones do.
-#[derive(Debug)]
-pub struct Topology {
-    /// How many dimensions it spans.
-    pub span: Span,
-    /// Its faces: none for a point or a segment, the two sides of a polygon.
-    pub faces: Vec<Face>,
-    /// Its edges: none for a point, one for a segment.
-    pub edges: Vec<Edge>,
-}
-
-/// How many dimensions a hull spans.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Span {
-    /// All points are one.
-    Point,
-    /// All points lie on one line.
-    Segment,
-    /// All points lie in one plane.
-    Polygon,
-    /// It has a volume.
-    Solid,
-}
-
-/// A face: a convex polygon.
-#[derive(Clone, Debug)]
-pub struct Face {
-    /// Unit normal, outwards.
-    pub normal: DVec3,
-    /// The largest `normal · v` of its vertices, metres.
-    pub offset: f64,
-    /// Its vertices by index, counter-clockwise from outside.
-    pub vertices: Vec<u32>,
-}
-
-/// An edge between two vertices, and the faces at its sides.
-#[derive(Clone, Copy, Debug)]
-pub struct Edge {
-    /// One end.
-    pub start: u32,
-    /// The other.
-    pub end: u32,
-    /// The face in whose order it goes from start to end; `u32::MAX` for a segment.
-    pub left: u32,
-    /// The face in whose order it goes from end to start.
-    pub right: u32,
 }
 
 impl Hull {
@@ -98,11 +53,5 @@ impl Hull {
             corners + topology.faces.len() * size_of::<Face>() + topology.edges.len() * size_of::<Edge>()
         });
         (size_of::<Self>() + self.vertices.len() * size_of::<DVec3>() + topology) as u64
-    }
-}
-
-impl From<Solid> for Topology {
-    fn from(solid: Solid) -> Self {
-        Self { span: Span::Solid, faces: solid.faces, edges: solid.edges }
     }
 }

@@ -13,10 +13,12 @@ mod limits;
 mod mesh;
 mod planar;
 mod quickhull;
+mod topology;
 
 pub use adjacency::Adjacency;
 pub use convex::{Convex, Core};
 pub use geometry::{Form, Geometry, GeometryId};
-pub use hull::{Edge, Face, Hull, Span, Topology};
+pub use hull::Hull;
 pub use limits::{GeometryError, Limits};
 pub use mesh::{Mesh, MeshReport};
+pub use topology::{Edge, Face, Span, Topology};

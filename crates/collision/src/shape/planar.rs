@@ -6,10 +6,7 @@
 use glam::DVec3;
 use robust::{Coord, orient2d};
 
-use super::{
-    hull::{Edge, Span, Topology},
-    quickhull::{face, index_u32, polygon_normal},
-};
+use super::topology::{Edge, Face, Span, Topology, index_u32};
 
 /// The hull of points in one plane, as a polygon with two sides.
 pub(super) fn polygon(points: &[DVec3], [a, b, c]: [usize; 3]) -> Topology {
@@ -30,9 +27,8 @@ pub(super) fn polygon(points: &[DVec3], [a, b, c]: [usize; 3]) -> Topology {
     outline.extend(half_outline(&flat, order.iter().rev().copied()));
     outline.pop();
 
-    let normal = polygon_normal(points, &outline);
-    let front = face(points, &outline, normal);
-    let back = face(points, &outline.iter().rev().copied().collect::<Vec<_>>(), -normal);
+    let front = Face::of(points, outline.clone());
+    let back = front.turned_over(points);
     let edges = (0..outline.len())
         .map(|i| Edge { start: outline[i], end: outline[(i + 1) % outline.len()], left: 0, right: 1 })
         .collect();

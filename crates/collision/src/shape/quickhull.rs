@@ -20,16 +20,9 @@ use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
 use super::{
-    hull::{Edge, Face, Span, Topology},
     planar::{exact_cross, polygon},
+    topology::{Edge, Face, Span, Topology, index_u32},
 };
-use crate::math::{exact, try_unit};
-
-/// The faces and edges of a hull with volume.
-pub(super) struct Solid {
-    pub(super) faces: Vec<Face>,
-    pub(super) edges: Vec<Edge>,
-}
 
 /// The distinct points, each where it first stands; −0 counts as 0.
 pub(super) fn distinct(points: &[DVec3]) -> Vec<DVec3> {
@@ -56,7 +49,7 @@ pub(super) fn topology(points: &[DVec3]) -> Topology {
     };
     let base = [line[0], line[1], apex];
     match farthest_off_plane(points, base) {
-        Some(top) => Builder::new(points, base, top).run().into(),
+        Some(top) => Builder::new(points, base, top).run(),
         None => polygon(points, base),
     }
 }
@@ -106,31 +99,6 @@ fn line_ends(points: &[DVec3], [a, b]: [usize; 2]) -> [u32; 2] {
     ends.map(|end| index_u32(end.unwrap_or(0)))
 }
 
-/// The unit normal from the corner triple of largest area that begins at the first vertex or is a run of three.
-pub(super) fn polygon_normal(points: &[DVec3], outline: &[u32]) -> DVec3 {
-    let corner = |i: usize| points[outline[i % outline.len()] as usize];
-    let count = outline.len();
-    let third = (count / 3).max(1);
-    let candidates = (0..count).flat_map(|i| [[i, i + 1, i + 2], [i, i + third, i + 2 * third]]);
-    let largest = candidates.map(|[i, j, k]| exact::cross(corner(j) - corner(i), corner(k) - corner(i))).fold(
-        DVec3::ZERO,
-        |best, normal| {
-            if normal.length_squared() > best.length_squared() { normal } else { best }
-        },
-    );
-    try_unit(largest).unwrap_or(DVec3::X)
-}
-
-/// Hulls have at most [`Limits::HULL_POINTS`](super::Limits::HULL_POINTS) points, so every index fits.
-pub(super) fn index_u32(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
-}
-
-pub(super) fn face(points: &[DVec3], outline: &[u32], normal: DVec3) -> Face {
-    let offset = outline.iter().map(|&v| normal.dot(points[v as usize])).fold(f64::NEG_INFINITY, f64::max);
-    Face { normal, offset, vertices: outline.to_vec() }
-}
-
 /// A triangle of the surface under construction.
 struct Triangle {
     corners: [usize; 3],
@@ -173,7 +141,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn run(mut self) -> Solid {
+    fn run(mut self) -> Topology {
         let mut next = 0;
         while next < self.triangles.len() {
             if self.triangles[next].alive && !self.triangles[next].outside.is_empty() {
@@ -253,7 +221,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Joins triangles in one plane to faces and collects the edges between faces.
-    fn solid(&self) -> Solid {
+    fn solid(&self) -> Topology {
         let group = self.coplanar_groups();
         let mut face_of_group: BTreeMap<usize, u32> = BTreeMap::new();
         let mut borders: Vec<BTreeMap<usize, (usize, usize)>> = Vec::new();
@@ -289,10 +257,9 @@ impl<'a> Builder<'a> {
                     break;
                 }
             }
-            let normal = polygon_normal(self.points, &outline);
-            faces.push(face(self.points, &outline, normal));
+            faces.push(Face::of(self.points, outline));
         }
-        Solid { faces, edges }
+        Topology { span: Span::Solid, faces, edges }
     }
 
     /// For each triangle the least triangle that lies in the same plane and hangs together with it.

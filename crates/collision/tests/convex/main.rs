@@ -1,6 +1,7 @@
-//! The convex kernels: laws, extremes, contact points.
+//! Convex forms and their kernels: hulls, laws, extremes, contact points.
 
 mod contact;
 mod extremes;
+mod hull;
 mod laws;
 mod random;

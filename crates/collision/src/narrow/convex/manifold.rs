@@ -11,7 +11,7 @@
 use glam::DVec3;
 
 use super::{
-    contact::Touch,
+    depth::Touch,
     frame::{Body, Corner, Pair},
 };
 use crate::{shape::Core, tolerance::FLAT_CONTACT_SINE};

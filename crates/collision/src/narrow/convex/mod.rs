@@ -9,6 +9,7 @@
 
 mod axes;
 mod contact;
+mod depth;
 mod frame;
 mod gjk;
 mod impact;

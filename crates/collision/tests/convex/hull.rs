@@ -5,21 +5,7 @@ use collision::{
     shape::{Hull, Span},
 };
 
-/// Pseudo-random numbers in [-1, 1), the same on every machine.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn point(&mut self) -> DVec3 {
-        DVec3::new(self.next(), self.next(), self.next())
-    }
-}
+use crate::random::Noise;
 
 /// Panics unless `hull` is closed (Euler), convex and around all its points.
 fn assert_is_solid_hull(hull: &Hull) {
@@ -56,9 +42,9 @@ fn random_points_on_and_in_a_sphere() {
     let mut noise = Noise(0x9E37_79B9_7F4A_7C15);
     for count in [4, 5, 8, 32, 128, 1000] {
         for scale in [1e-6, 1.0, 1e6] {
-            let on_sphere: Vec<DVec3> = (0..count).map(|_| noise.point().normalize() * scale).collect();
+            let on_sphere: Vec<DVec3> = (0..count).map(|_| noise.vector().normalize() * scale).collect();
             assert_is_solid_hull(&Hull::new(&on_sphere));
-            let inside: Vec<DVec3> = (0..count).map(|_| noise.point() * scale).collect();
+            let inside: Vec<DVec3> = (0..count).map(|_| noise.vector() * scale).collect();
             assert_is_solid_hull(&Hull::new(&inside));
         }
     }
@@ -68,7 +54,7 @@ fn random_points_on_and_in_a_sphere() {
 fn slivers_and_nearly_flat_points_stay_solid() {
     let mut noise = Noise(7);
     for flatness in [1e-3, 1e-7, 1e-11, 1e-15] {
-        let points: Vec<DVec3> = (0..60).map(|_| noise.point() * DVec3::new(1.0, flatness, 1.0)).collect();
+        let points: Vec<DVec3> = (0..60).map(|_| noise.vector() * DVec3::new(1.0, flatness, 1.0)).collect();
         assert_is_solid_hull(&Hull::new(&points));
     }
 }
