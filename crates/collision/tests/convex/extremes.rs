@@ -183,3 +183,30 @@ fn what_overlaps_at_rest_is_touched_at_the_start_of_any_way() {
     let ignored = Motion { initial: InitialTouch::IsIgnored, ..motion };
     assert!(narrow::linear_impact(a.placed(), b.placed(), &ignored, &EXACT, &mut Work::default()).is_none());
 }
+
+#[test]
+fn exact_touch_of_unturned_forms_is_a_hit_and_an_ulp_more_is_a_miss() {
+    let verdict = |a: &Body, b: &Body| narrow::overlap(a.placed(), b.placed(), &EXACT, &mut Work::default()).verdict;
+    let slab = Geometry::cuboid(DVec3::new(9.0, 0.75, 9.0)).expect("a size");
+    let capsule = Body { geometry: Geometry::capsule(0.5, 0.25).expect("sizes"), pose: Pose::IDENTITY };
+    for (body, height) in [(cube(0.25, DVec3::ZERO), 0.25), (ball(0.5, DVec3::ZERO), 0.5), (capsule, 0.75)] {
+        for top in [0.0, 2.0, 1024.0] {
+            let floor = Body { geometry: slab.clone(), pose: Pose::at(DVec3::Y * (top - 0.75)) };
+            let at = |y: f64| body.moved(DVec3::new(0.3, y, -8.0));
+            let rest = top + height;
+            assert_eq!(verdict(&at(rest), &floor), Verdict::Hit);
+            assert_eq!(verdict(&at(rest.next_up()), &floor), Verdict::Miss);
+            assert_eq!(verdict(&at(rest.next_down()), &floor), Verdict::Hit);
+            let separation = narrow::distance(at(rest).placed(), floor.placed(), 1.0, &EXACT, &mut Work::default());
+            assert_eq!(separation.expect("near").certificate.bound.upper, 0.0);
+            let contact = contact(&at(rest), &floor);
+            assert_eq!((contact.certificate.verdict, contact.depth), (Verdict::Hit, 0.0));
+        }
+    }
+    // 3² + 4² = 5²: balls that touch off the axes.
+    let (a, b) = (ball(2.0, DVec3::new(1e6, 0.0, 0.0)), ball(3.0, DVec3::new(1e6 + 3.0, 4.0, 0.0)));
+    assert_eq!(verdict(&a, &b), Verdict::Hit);
+    assert_eq!(verdict(&a, &b.moved(DVec3::Y * 1e-15)), Verdict::Miss);
+    let apart = narrow::penetration(a.placed(), b.moved(DVec3::Y * 1e-15).placed(), 0.0, &EXACT, &mut Work::default());
+    assert!(apart.expect("convex forms").is_empty());
+}

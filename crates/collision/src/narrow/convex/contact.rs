@@ -1,8 +1,10 @@
 //! The contact of two convex forms.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
-use super::{PlacedConvex, depth, frame::Pair, manifold, order};
+use super::{PlacedConvex, depth, frame::Pair, manifold, order, touch};
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Feature, Verdict, Work},
@@ -34,14 +36,22 @@ fn penetration_in_order(
     let touch = depth::touch(&pair, accuracy.budget, pair.length_in(max_gap));
     work.pairs_tested += 1;
     work.iterations += touch.as_ref().map_or(1, |touch| u64::from(touch.iterations));
-    let touch = touch?;
-    let verdict = if touch.lower >= 0.0 {
+    let mut touch = touch?;
+    let mut verdict = if touch.lower >= 0.0 {
         Verdict::Hit
     } else if touch.upper < 0.0 {
         Verdict::Miss
     } else {
         Verdict::Undecided
     };
+    if verdict == Verdict::Undecided
+        && let Some(sign) = touch::sign(a, b)
+    {
+        if sign == Ordering::Greater && max_gap <= 0.0 {
+            return None;
+        }
+        verdict = touch.bounded_by(sign);
+    }
     let points = manifold::points(&pair, &touch).into_iter().map(|point| ContactPoint {
         point_on_a: pair.point_out(point.on_a),
         point_on_b: pair.point_out(point.on_b),

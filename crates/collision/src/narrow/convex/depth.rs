@@ -4,6 +4,8 @@
 //! While the cores are apart, the depth is the radii less the gap, which GJK proves; only where the cores overlap are
 //! separating axes asked. The upper bound is the width along the returned normal, a true way out for any normal.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use super::{
@@ -12,7 +14,7 @@ use super::{
     gjk,
 };
 use crate::{
-    answer::{Method, Stop},
+    answer::{Method, Stop, Verdict},
     tolerance::PAIR_ROUNDING,
 };
 
@@ -71,4 +73,18 @@ pub(super) fn touch(pair: &Pair<'_>, budget: u32, max_gap: f64) -> Option<Touch>
         stop: depth.stop,
         iterations: gap.iterations.saturating_add(depth.iterations),
     })
+}
+
+impl Touch {
+    /// Takes in the exact sign of the signed distance, and says what it proves.
+    pub(super) fn bounded_by(&mut self, sign: Ordering) -> Verdict {
+        if sign != Ordering::Greater {
+            self.lower = self.lower.max(0.0);
+        }
+        if sign != Ordering::Less {
+            self.upper = self.upper.min(0.0);
+        }
+        self.best = self.best.clamp(self.lower, self.upper);
+        if sign == Ordering::Greater { Verdict::Miss } else { Verdict::Hit }
+    }
 }

@@ -11,9 +11,11 @@
 //! Mirtich, "Impulse-based dynamic simulation" (1996), section 2.3; van den Bergen, "Ray casting against general convex
 //! objects" (2004) for the same planes seen as a ray cast.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
-use super::{PlacedConvex, frame::Pair, gjk, order, separation};
+use super::{PlacedConvex, frame::Pair, gjk, order, separation, touch};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
@@ -150,6 +152,11 @@ impl<'a> Search<'a> {
         let [a, b] = self.placed;
         let (verdict, iterations) = verdict_of(&Pair::new(a, b, 0.0), self.budget);
         self.iterations = self.iterations.saturating_add(iterations);
+        let verdict = match (verdict, touch::sign(a, b)) {
+            (Verdict::Undecided, Some(Ordering::Greater)) => Verdict::Miss,
+            (Verdict::Undecided, Some(_)) => Verdict::Hit,
+            (verdict, _) => verdict,
+        };
         if verdict != Verdict::Miss && initial == InitialTouch::IsIgnored {
             return None;
         }
@@ -205,5 +212,5 @@ impl<'a> Search<'a> {
 fn verdict_of(pair: &Pair<'_>, budget: u32) -> (Verdict, u32) {
     let radius = pair.radius();
     let gap = gjk::gap(pair, budget, |lower, upper| lower > radius || upper <= radius);
-    (separation::signed_gap(pair, &gap).verdict(), gap.iterations)
+    (separation::signed_gap(pair, &gap).verdict, gap.iterations)
 }

@@ -17,6 +17,7 @@ mod manifold;
 mod order;
 mod separation;
 mod simplex;
+mod touch;
 
 use crate::{math::Pose, shape::Convex};
 

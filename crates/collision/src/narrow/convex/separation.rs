@@ -1,17 +1,20 @@
 //! Distance and overlap of two convex forms.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use super::{
     PlacedConvex, axes,
     frame::Pair,
     gjk::{self, Gap},
-    order,
+    order, touch,
 };
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Feature, Method, Stop, Verdict, Work},
     narrow::Separation,
+    tolerance::PAIR_ROUNDING,
 };
 
 /// How far apart two convex forms are; `None` if that is proved to be beyond `limit` metres.
@@ -34,14 +37,14 @@ pub(crate) fn overlap(a: PlacedConvex<'_>, b: PlacedConvex<'_>, accuracy: &Accur
     let pair = Pair::new(a, b, 0.0);
     let radius = pair.radius();
     let gap = gjk::gap(&pair, accuracy.budget, |lower, upper| lower > radius || upper <= radius);
-    let signed = signed_gap(&pair, &gap);
+    let signed = signed_gap(&pair, &gap).or_exactly(a, b);
     work.pairs_tested += 1;
     work.iterations += u64::from(signed.iterations);
     Certificate {
-        verdict: signed.verdict(),
+        verdict: signed.verdict,
         bound: pair.bound_out(signed.lower, signed.upper),
         method: signed.method,
-        stop: if signed.verdict() == Verdict::Undecided { signed.stop } else { Stop::Tolerance },
+        stop: if signed.verdict == Verdict::Undecided { signed.stop } else { Stop::Tolerance },
         iterations: signed.iterations,
     }
 }
@@ -50,20 +53,39 @@ pub(crate) fn overlap(a: PlacedConvex<'_>, b: PlacedConvex<'_>, accuracy: &Accur
 pub(super) struct Signed {
     pub(super) lower: f64,
     pub(super) upper: f64,
+    /// What is proved; exact touch counts as a hit.
+    pub(super) verdict: Verdict,
     method: Method,
     stop: Stop,
     iterations: u32,
 }
 
 impl Signed {
-    /// What the bounds prove; exact touch counts as a hit.
-    pub(super) fn verdict(&self) -> Verdict {
-        if self.upper <= 0.0 {
+    fn new(lower: f64, upper: f64, method: Method, stop: Stop, iterations: u32) -> Self {
+        let verdict = if upper <= 0.0 {
             Verdict::Hit
-        } else if self.lower > 0.0 {
+        } else if lower > 0.0 {
             Verdict::Miss
         } else {
             Verdict::Undecided
+        };
+        Self { lower, upper, verdict, method, stop, iterations }
+    }
+
+    /// The same, and where the verdict is open, what the exact sign of forms that are not turned proves.
+    fn or_exactly(self, a: PlacedConvex<'_>, b: PlacedConvex<'_>) -> Self {
+        if self.verdict != Verdict::Undecided {
+            return self;
+        }
+        match touch::sign(a, b) {
+            Some(Ordering::Less) => Self { upper: 0.0, verdict: Verdict::Hit, method: Method::ClosedForm, ..self },
+            Some(Ordering::Equal) => {
+                Self { lower: 0.0, upper: 0.0, verdict: Verdict::Hit, method: Method::ClosedForm, ..self }
+            }
+            Some(Ordering::Greater) => {
+                Self { lower: self.lower.max(0.0), verdict: Verdict::Miss, method: Method::ClosedForm, ..self }
+            }
+            None => self,
         }
     }
 }
@@ -71,25 +93,21 @@ impl Signed {
 /// The signed distance from the gap of the cores, and from separating axes where the gap leaves the verdict open.
 pub(super) fn signed_gap(pair: &Pair<'_>, gap: &Gap) -> Signed {
     let radius = pair.radius();
-    let is_inside = gap.inside > crate::tolerance::PAIR_ROUNDING;
-    let by_gap = Signed {
-        lower: if gap.lower > 0.0 { gap.lower - radius } else { f64::NEG_INFINITY },
-        upper: if is_inside { crate::tolerance::PAIR_ROUNDING - gap.inside - radius } else { gap.upper - radius },
-        method: Method::Gjk,
-        stop: gap.stop,
-        iterations: gap.iterations,
-    };
-    if by_gap.verdict() != Verdict::Undecided || gap.stop == Stop::Budget || gap.lower > 0.0 && radius > 0.0 {
+    let is_inside = gap.inside > PAIR_ROUNDING;
+    let lower = if gap.lower > 0.0 { gap.lower - radius } else { f64::NEG_INFINITY };
+    let upper = if is_inside { PAIR_ROUNDING - gap.inside - radius } else { gap.upper - radius };
+    let by_gap = Signed::new(lower, upper, Method::Gjk, gap.stop, gap.iterations);
+    if by_gap.verdict != Verdict::Undecided || gap.stop == Stop::Budget || gap.lower > 0.0 && radius > 0.0 {
         return by_gap;
     }
     let depth = axes::depth(pair);
-    Signed {
-        lower: by_gap.lower.max(-depth.upper - radius),
-        upper: by_gap.upper.min(-depth.lower - radius),
-        method: Method::SeparatingAxes,
-        stop: depth.stop,
-        iterations: gap.iterations.saturating_add(depth.iterations),
-    }
+    Signed::new(
+        lower.max(-depth.upper - radius),
+        upper.min(-depth.lower - radius),
+        Method::SeparatingAxes,
+        depth.stop,
+        gap.iterations.saturating_add(depth.iterations),
+    )
 }
 
 fn distance_in_order(
@@ -107,7 +125,7 @@ fn distance_in_order(
         let width = upper.max(radius) - lower.max(radius);
         lower - radius > limit_in || width <= widest || width <= accuracy.max_error_relative * (lower - radius)
     });
-    let signed = signed_gap(&pair, &gap);
+    let signed = signed_gap(&pair, &gap).or_exactly(a, b);
     work.pairs_tested += 1;
     work.iterations += u64::from(signed.iterations);
     let (lower, upper) = (signed.lower.max(0.0), signed.upper.max(0.0));
