@@ -39,7 +39,7 @@ pub struct Settings {
     pub max_in_flight: usize,
     /// How log lines are written. Default: for people on a terminal, JSON otherwise.
     pub log_format: LogFormat,
-    /// Which log lines are written, as in `RUST_LOG`. Default `info`.
+    /// Which log lines are written: a level, or `target=level`, several by commas. Default `info`.
     pub log_filter: String,
     /// How long a stop waits for calls and streams to end. Default 30 s.
     pub drain_limit: Duration,
@@ -145,7 +145,7 @@ pub struct Layer {
     /// How log lines are written [default: auto, for people on a terminal, JSON otherwise]
     #[arg(long, env = "CALIPERS_LOG_FORMAT", value_name = "FORMAT")]
     pub log_format: Option<LogFormat>,
-    /// Which log lines are written, as in RUST_LOG [default: info]
+    /// Which log lines are written: a level, or TARGET=LEVEL, several by commas [default: info]
     #[arg(long, env = "CALIPERS_LOG_FILTER", value_name = "FILTER")]
     pub log_filter: Option<String>,
     /// How long a stop waits for calls and streams to end, in seconds, 0 to 30 [default: 30]

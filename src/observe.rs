@@ -2,7 +2,13 @@
 
 use std::io::{self, IsTerminal};
 
-use tracing_subscriber::{EnvFilter, filter::ParseError, fmt, util::SubscriberInitExt};
+use tracing_subscriber::{
+    Layer,
+    filter::{ParseError, Targets},
+    fmt,
+    layer::SubscriberExt,
+    util::SubscriberInitExt,
+};
 
 use crate::config::{LogFormat, Settings};
 
@@ -27,18 +33,20 @@ pub enum ObserveError {
 /// # Errors
 /// A filter that is not understood; logging was started before.
 pub fn start(settings: &Settings) -> Result<(), ObserveError> {
-    let filter = EnvFilter::try_new(&settings.log_filter)
+    let filter: Targets = settings
+        .log_filter
+        .parse()
         .map_err(|source| ObserveError::Filter { found: settings.log_filter.clone(), source })?;
-    let lines = fmt().with_env_filter(filter).with_writer(io::stderr);
+    let lines = fmt::layer().with_writer(io::stderr);
     let for_people = match settings.log_format {
         LogFormat::Auto => io::stderr().is_terminal(),
         LogFormat::Human => true,
         LogFormat::Json => false,
     };
-    if for_people {
-        lines.with_target(false).finish().try_init()
+    let lines = if for_people {
+        lines.with_target(false).with_filter(filter).boxed()
     } else {
-        lines.json().flatten_event(true).finish().try_init()
-    }
-    .map_err(|_| ObserveError::Twice)
+        lines.json().flatten_event(true).with_filter(filter).boxed()
+    };
+    tracing_subscriber::registry().with(lines).try_init().map_err(|_| ObserveError::Twice)
 }
