@@ -58,6 +58,8 @@ pub(crate) struct Counters {
     pub(crate) questions: AtomicU64,
     pub(crate) undecided: AtomicU64,
     pub(crate) edits: AtomicU64,
+    /// What the last commit took, nanoseconds.
+    pub(crate) last_commit_ns: AtomicU64,
 }
 
 /// A session.
@@ -225,8 +227,11 @@ impl Session {
         rule: EditRule,
     ) -> Checked<Result<EditReport, EditError>> {
         self.check_quotas(&edits)?;
+        let begin = Instant::now();
         let applied = writer.apply(edits, when, rule)?;
         if let Ok(report) = &applied {
+            let took = u64::try_from(begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
+            self.counters.last_commit_ns.store(took, Ordering::Relaxed);
             self.newest.store(writer.world.newest());
             self.newest_tick.send_replace(report.tick);
             self.counters.edits.fetch_add(report.changed_count, Ordering::Relaxed);

@@ -2,7 +2,7 @@
 
 use std::{
     collections::HashMap,
-    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
+    time::{Instant, SystemTime, UNIX_EPOCH},
 };
 
 use collision::world::{Edit, EditError, EditReport, EditRule, Tick, Time, World};
@@ -47,8 +47,6 @@ pub(crate) struct Writer {
     /// Said to every writer since a panic left the world in doubt.
     quarantine: Option<Problem>,
     named: HashMap<String, Named>,
-    /// What the last commit took.
-    pub(crate) last_commit: Duration,
 }
 
 /// How far a named stream writer got.
@@ -80,7 +78,6 @@ impl Writer {
             retries: RetryCache::default(),
             quarantine: None,
             named: HashMap::new(),
-            last_commit: Duration::ZERO,
         })
     }
 
@@ -107,10 +104,8 @@ impl Writer {
         if let Some(problem) = &self.quarantine {
             return Err(problem.clone());
         }
-        let begin = Instant::now();
         let world = &mut self.world;
         let changed = fenced("applying edits", || change(world));
-        self.last_commit = begin.elapsed();
         changed.inspect_err(|_| {
             tracing::error!("the world is in quarantine: it takes no more edits");
             self.quarantine = Some(Problem::new(

@@ -1,6 +1,6 @@
 //! `DescribeWorld`: what the world holds, what was built for it, and what that costs.
 
-use std::sync::atomic::Ordering;
+use std::{sync::atomic::Ordering, time::Duration};
 
 use collision::math::Aabb;
 use tonic::{Request, Response, Status};
@@ -8,12 +8,16 @@ use wire::v1 as pb;
 
 use super::{Caller, Server};
 use crate::{
+    compute::{self, Weight},
     convert::{
         number::{duration, timestamp},
         place::{aabb_out, number_out},
     },
     token::Role,
 };
+
+/// Worlds of more shapes are described on another thread: it is a pass over all of them, about 3 µs each.
+const DESCRIBED_AT_ONCE: usize = 64;
 
 /// Describes the newest version.
 ///
@@ -25,8 +29,9 @@ pub(super) async fn answer(
 ) -> Result<Response<pb::DescribeWorldResponse>, Status> {
     let caller = Caller::of(&request);
     let session = server.enter(&caller, &request.into_inner().session, Role::Reader)?;
-    let last_commit = session.writer.lock().await.last_commit;
-    let description = session.newest().describe();
+    let snapshot = session.newest();
+    let weight = if snapshot.len() > DESCRIBED_AT_ONCE { Weight::Heavy } else { Weight::Light };
+    let description = compute::run(weight, "describing a world", move || Ok(snapshot.describe())).await?;
     let built = description.built.iter().map(|built| pb::BuiltStructure {
         name: built.name.to_owned(),
         count: built.count,
@@ -51,7 +56,7 @@ pub(super) async fn answer(
         question_count: counters.questions.load(Ordering::Relaxed),
         undecided_count: counters.undecided.load(Ordering::Relaxed),
         edit_count: counters.edits.load(Ordering::Relaxed),
-        last_commit: Some(duration(last_commit)),
+        last_commit: Some(duration(Duration::from_nanos(counters.last_commit_ns.load(Ordering::Relaxed)))),
     }))
 }
 
