@@ -175,6 +175,7 @@ fn neighbor(neighbor: &Neighbor) -> Checked<pb::Neighbor> {
         feature: feature(separation.feature_b),
         user_data: neighbor.user_data,
         certificate: Some(certificate(&separation.certificate)?),
+        subject_feature: feature(separation.feature_a),
     })
 }
 

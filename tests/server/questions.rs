@@ -1,10 +1,11 @@
 //! The questions: the README's examples with their answers, batches, versions, and what an answer says of itself.
 
 use tonic::Code;
-use wire::v1::{self as pb};
+use wire::v1::{self as pb, geometry::Kind};
 
 use crate::harness::{
-    Bench, assert_refused, at, cuboid, insert, ray_along_z, readme_world, shape, sphere, subject, subject_shape, vec3,
+    Bench, assert_refused, at, cuboid, geometry, insert, ray_along_z, readme_world, shape, sphere, subject,
+    subject_shape, vec3,
 };
 
 #[track_caller]
@@ -78,6 +79,28 @@ async fn distance_to_the_nearest_and_to_one_geometry() {
     let answer = bench.questions.distance(request).await.unwrap().into_inner();
     assert_eq!(answer.hits[0].id, 0, "a geometry has no id");
     assert_near(answer.hits[0].distance, 2.0, answer.hits[0].certificate.as_ref());
+}
+
+#[tokio::test]
+async fn the_nearest_triangles_are_named_on_either_side() {
+    let mut bench = readme_world().await;
+    let mesh = pb::TriangleMesh {
+        vertices: vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 9.0, 1.0, 0.0, 9.0, 0.0, 1.0, 9.0],
+        indices: vec![3, 4, 5, 0, 1, 2],
+        ..pb::TriangleMesh::default()
+    };
+    let mesh = subject(geometry(Kind::Mesh(mesh)), at(0.0, 0.0, 0.0));
+    let ball = subject(sphere(0.5), at(0.25, 0.25, -2.0));
+    for (of_subject, of_shape, subject, against) in
+        [(Some(1), None, mesh.clone(), ball.clone()), (None, Some(1), ball, mesh)]
+    {
+        let request =
+            pb::DistanceRequest { subject: Some(subject), against: Some(against), ..pb::DistanceRequest::default() };
+        let hit = bench.questions.distance(request).await.unwrap().into_inner().hits.remove(0);
+        assert_near(hit.distance, 1.5, hit.certificate.as_ref());
+        let face = |feature: Option<pb::Feature>| feature.and_then(|feature| feature.face);
+        assert_eq!((face(hit.subject_feature), face(hit.feature)), (of_subject, of_shape));
+    }
 }
 
 #[tokio::test]
