@@ -54,6 +54,13 @@ pub const PAIR_ROUNDING: f64 = 128.0 * ROUNDING;
 /// the oracle sets (the conformance runner), near-parallel edges above all.
 pub const AXIS_LEAN: f64 = 4.0 * PAIR_ROUNDING;
 
+/// How far `u × v` may be from the exact one, as a part of `|u| |v|`, where both are differences of corners: each of the
+/// two has one rounding, the product and the difference make two more in each component, and a product with a third vector
+/// adds three: less than 16, and four times that is taken because it is needed for slivers only. Smaller, and the faces of a
+/// sliver might prove a depth that is not there; larger, and more overlaps are left to the separating axes. Pinned by
+/// `a_sliver_proves_no_depth_that_is_not_there` in `tests/convex/extremes.rs`.
+pub const CROSS_BLUR: f64 = 64.0 * ROUNDING;
+
 /// How far the product of two unit vectors may be from 0 and still leave open on which side of an arc of the Gauss map a
 /// face normal lies: both vectors are right to 4 roundings in each component and the sum of three products adds 3. Smaller,
 /// and the edge pair of least depth might be passed over; larger, and more pairs are measured in full. Pinned by the

@@ -210,3 +210,23 @@ fn exact_touch_of_unturned_forms_is_a_hit_and_an_ulp_more_is_a_miss() {
     let apart = narrow::penetration(a.placed(), b.moved(DVec3::Y * 1e-15).placed(), 0.0, &EXACT, &mut Work::default());
     assert!(apart.expect("convex forms").is_empty());
 }
+
+#[test]
+fn a_sliver_proves_no_depth_that_is_not_there() {
+    // Found by a random search: the tetrahedron that GJK ends with is a sliver, whose faces once proved 2.12e-9.
+    let rotation =
+        DQuat::from_xyzw(-0.4172936296098111, -0.5494840163177692, -0.5544662400930893, -0.44097632622170524);
+    let points = [
+        DVec3::new(4463.260449943172, -154.50876112405496, 3707.9971722455466),
+        DVec3::new(6550.4286437559485, 120.8494463987063, -4063.6947759384416),
+        DVec3::new(4050.4768615647513, 167.06562659423932, -2458.50464469377),
+        DVec3::new(-4807.443491643511, 93.72996092406967, -7244.229747442589),
+    ];
+    let hull = Body { geometry: Geometry::hull(&points).expect("points"), pose: Pose::new(DVec3::ZERO, rotation) };
+    let half = DVec3::new(18.389703386255363, 0.4805769392665279, 0.0020609429094791912);
+    let position = DVec3::new(-775.411774039723, 625.3990006233162, -91.01883887484212);
+    let plank = Body { geometry: Geometry::cuboid(half).expect("a size"), pose: Pose::new(position, rotation) };
+    let bound = contact(&hull, &plank).certificate.bound;
+    // The width along one direction, measured by the support functions of the corners as sent.
+    assert!(bound.lower <= 2.0055992422385316e-9 && bound.upper >= 2.0055992422385316e-9, "{bound:?}");
+}

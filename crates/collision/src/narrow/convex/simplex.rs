@@ -12,6 +12,7 @@
 use glam::DVec3;
 
 use super::frame::Corner;
+use crate::tolerance::CROSS_BLUR;
 
 /// A vertex of the Minkowski difference `a − b` and where it comes from.
 #[derive(Clone, Copy, Debug)]
@@ -90,16 +91,20 @@ impl Simplex {
         best.1
     }
 
-    /// How far inside a tetrahedron the origin lies; `None` if it does not or if this is no tetrahedron.
+    /// How far inside a tetrahedron the origin surely lies; `None` if it may not or if this is no tetrahedron. The faces
+    /// of a sliver are known less well than its corners: what that may cost is taken off.
     pub(super) fn margin(&self) -> Option<f64> {
         let [a, b, c, d] = self.four()?;
         let inner = |a: DVec3, b: DVec3, c: DVec3, apex: DVec3| {
             let normal = (b - a).cross(c - a);
-            let side = normal.dot(apex - a).signum();
-            -side * normal.dot(a) / normal.length()
+            let blur = CROSS_BLUR * (b - a).length() * (c - a).length();
+            let height = normal.dot(apex - a);
+            if height.abs() <= blur * (apex - a).length() {
+                return 0.0;
+            }
+            (-height.signum() * normal.dot(a) - blur * a.length()) / (normal.length() + blur)
         };
         let least = inner(a, b, c, d).min(inner(a, b, d, c)).min(inner(a, c, d, b)).min(inner(b, c, d, a));
-        // A flat tetrahedron gives NaN, which is no margin.
         (least > 0.0).then_some(least)
     }
 
