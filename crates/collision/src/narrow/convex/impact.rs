@@ -11,11 +11,9 @@
 //! Mirtich, "Impulse-based dynamic simulation" (1996), section 2.3; van den Bergen, "Ray casting against general convex
 //! objects" (2004) for the same planes seen as a ray cast.
 
-use std::cmp::Ordering;
-
 use glam::DVec3;
 
-use super::{PlacedConvex, frame::Pair, gjk, order, separation, touch};
+use super::{PlacedConvex, frame::Pair, gjk, order, separation};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
@@ -150,31 +148,29 @@ impl<'a> Search<'a> {
         initial: InitialTouch,
     ) -> Option<Touch> {
         let [a, b] = self.placed;
-        let (verdict, iterations) = verdict_of(&Pair::new(a, b, 0.0), self.budget);
-        self.iterations = self.iterations.saturating_add(iterations);
-        let verdict = match (verdict, touch::sign(a, b)) {
-            (Verdict::Undecided, Some(Ordering::Greater)) => Verdict::Miss,
-            (Verdict::Undecided, Some(_)) => Verdict::Hit,
-            (verdict, _) => verdict,
-        };
-        if verdict != Verdict::Miss && initial == InitialTouch::IsIgnored {
+        let rest = separation::signed(&Pair::new(a, b, 0.0), self.budget).or_exactly(a, b);
+        self.iterations = self.iterations.saturating_add(rest.iterations);
+        if rest.verdict != Verdict::Miss && initial == InitialTouch::IsIgnored {
             return None;
         }
-        let mut touch = self.prove_touch(0.0, gap, normal, stop);
-        touch.is_initial = verdict != Verdict::Miss;
-        if verdict == Verdict::Hit {
-            touch = Touch { fraction: 0.0, bound: Bound::new(0.0, 0.0), verdict, normal: None, ..touch };
+        if rest.verdict == Verdict::Hit {
+            return Some(Touch {
+                fraction: 0.0,
+                bound: Bound::new(0.0, 0.0),
+                verdict: Verdict::Hit,
+                stop,
+                normal: None,
+                point: self.point_between(gap),
+                is_initial: true,
+            });
         }
-        Some(touch)
+        let touch = self.prove_touch(0.0, gap, normal, stop);
+        Some(Touch { is_initial: rest.verdict == Verdict::Undecided, ..touch })
     }
 
     /// From a gap within rounding at `time`: seeks an instant of proved overlap at doubling steps beyond it.
     fn prove_touch(&mut self, time: f64, gap: &gjk::Gap, normal: Option<DVec3>, stop: Stop) -> Touch {
         let closing = normal.map_or(0.0, |normal| -normal.dot(self.way));
-        let (on_a, on_b) = gap.witnesses;
-        let apart = (on_a - on_b).length();
-        let share = if apart > 0.0 { (self.pair.a.radius / apart).min(1.0) } else { 0.0 };
-        let point = on_a + (on_b - on_a) * share;
         let mut ahead = if closing > 0.0 { 4.0 * PAIR_ROUNDING / closing } else { PAIR_ROUNDING };
         let mut proved = None;
         while proved.is_none() {
@@ -195,22 +191,23 @@ impl<'a> Search<'a> {
             verdict: if proved.is_some() { Verdict::Hit } else { Verdict::Undecided },
             stop,
             normal,
-            point,
+            point: self.point_between(gap),
             is_initial: false,
         }
     }
 
+    /// A point between the cores' nearest ones, on the surface of the first form.
+    fn point_between(&self, gap: &gjk::Gap) -> DVec3 {
+        let (on_a, on_b) = gap.witnesses;
+        let apart = (on_a - on_b).length();
+        let share = if apart > 0.0 { (self.pair.a.radius / apart).min(1.0) } else { 0.0 };
+        on_a + (on_b - on_a) * share
+    }
+
     fn is_overlap_at(&mut self, time: f64) -> bool {
         self.go_to(time);
-        let (verdict, iterations) = verdict_of(&self.pair, self.budget);
-        self.iterations = self.iterations.saturating_add(iterations);
-        verdict == Verdict::Hit
+        let signed = separation::signed(&self.pair, self.budget);
+        self.iterations = self.iterations.saturating_add(signed.iterations);
+        signed.verdict == Verdict::Hit
     }
-}
-
-/// Whether a pair overlaps where it is, and the iterations that this took.
-fn verdict_of(pair: &Pair<'_>, budget: u32) -> (Verdict, u32) {
-    let radius = pair.radius();
-    let gap = gjk::gap(pair, budget, |lower, upper| lower > radius || upper <= radius);
-    (separation::signed_gap(pair, &gap).verdict, gap.iterations)
 }

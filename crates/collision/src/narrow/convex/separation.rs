@@ -35,9 +35,7 @@ pub(crate) fn distance(
 pub(crate) fn overlap(a: PlacedConvex<'_>, b: PlacedConvex<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
     let (a, b) = if order::is_swapped(a, b) { (b, a) } else { (a, b) };
     let pair = Pair::new(a, b, 0.0);
-    let radius = pair.radius();
-    let gap = gjk::gap(&pair, accuracy.budget, |lower, upper| lower > radius || upper <= radius);
-    let signed = signed_gap(&pair, &gap).or_exactly(a, b);
+    let signed = signed(&pair, accuracy.budget).or_exactly(a, b);
     work.pairs_tested += 1;
     work.iterations += u64::from(signed.iterations);
     Certificate {
@@ -57,7 +55,7 @@ pub(super) struct Signed {
     pub(super) verdict: Verdict,
     method: Method,
     stop: Stop,
-    iterations: u32,
+    pub(super) iterations: u32,
 }
 
 impl Signed {
@@ -73,7 +71,7 @@ impl Signed {
     }
 
     /// The same, and where the verdict is open, what the exact sign of forms that are not turned proves.
-    fn or_exactly(self, a: PlacedConvex<'_>, b: PlacedConvex<'_>) -> Self {
+    pub(super) fn or_exactly(self, a: PlacedConvex<'_>, b: PlacedConvex<'_>) -> Self {
         if self.verdict != Verdict::Undecided {
             return self;
         }
@@ -90,8 +88,15 @@ impl Signed {
     }
 }
 
+/// Bounds of the signed distance, no narrower than it takes to tell whether the pair touches where it is.
+pub(super) fn signed(pair: &Pair<'_>, budget: u32) -> Signed {
+    let radius = pair.radius();
+    let gap = gjk::gap(pair, budget, |lower, upper| lower > radius || upper <= radius);
+    signed_gap(pair, &gap)
+}
+
 /// The signed distance from the gap of the cores, and from separating axes where the gap leaves the verdict open.
-pub(super) fn signed_gap(pair: &Pair<'_>, gap: &Gap) -> Signed {
+fn signed_gap(pair: &Pair<'_>, gap: &Gap) -> Signed {
     let radius = pair.radius();
     let is_inside = gap.inside > PAIR_ROUNDING;
     let lower = if gap.lower > 0.0 { gap.lower - radius } else { f64::NEG_INFINITY };
