@@ -39,12 +39,6 @@ impl Hull {
         self.topology.get_or_init(|| quickhull::topology(&self.vertices))
     }
 
-    /// Whether the faces and edges are built.
-    #[must_use]
-    pub fn has_topology(&self) -> bool {
-        self.topology.get().is_some()
-    }
-
     /// Bytes it holds in memory now.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
