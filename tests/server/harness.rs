@@ -124,6 +124,25 @@ pub(crate) fn subject_shape(id: u64) -> pb::Subject {
     pb::Subject { form: Some(Form::Id(id)), pose: None }
 }
 
+/// Asks for a session.
+pub(crate) fn get(session: &str) -> pb::GetSessionRequest {
+    pb::GetSessionRequest { session: session.to_owned() }
+}
+
+/// Puts a ball into a session's world.
+pub(crate) fn edit(session: &str) -> pb::EditRequest {
+    pb::EditRequest {
+        session: session.to_owned(),
+        edits: vec![insert(shape(1, sphere(1.0), at(0.0, 0.0, 5.0)))],
+        ..pb::EditRequest::default()
+    }
+}
+
+/// A ray in a session's world.
+pub(crate) fn ray(session: &str) -> pb::RaycastRequest {
+    pb::RaycastRequest { session: session.to_owned(), ..ray_along_z() }
+}
+
 /// A ray from the origin along z.
 pub(crate) fn ray_along_z() -> pb::RaycastRequest {
     pb::RaycastRequest { direction: Some(vec3(0.0, 0.0, 1.0)), ..pb::RaycastRequest::default() }

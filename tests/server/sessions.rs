@@ -5,26 +5,10 @@ use std::time::Duration;
 use tonic::Code;
 use wire::v1 as pb;
 
-use crate::harness::{Bench, assert_refused, at, insert, ray_along_z, settings, shape, sphere, with_token};
+use crate::harness::{Bench, assert_refused, edit, get, ray, ray_along_z, settings, with_token};
 
 fn seconds(seconds: i64) -> prost_types::Duration {
     prost_types::Duration { seconds, nanos: 0 }
-}
-
-fn get(session: &str) -> pb::GetSessionRequest {
-    pb::GetSessionRequest { session: session.to_owned() }
-}
-
-fn edit(session: &str) -> pb::EditRequest {
-    pb::EditRequest {
-        session: session.to_owned(),
-        edits: vec![insert(shape(1, sphere(1.0), at(0.0, 0.0, 5.0)))],
-        ..pb::EditRequest::default()
-    }
-}
-
-fn ray(session: &str) -> pb::RaycastRequest {
-    pb::RaycastRequest { session: session.to_owned(), ..ray_along_z() }
 }
 
 #[tokio::test]

@@ -3,23 +3,7 @@
 use tonic::Code;
 use wire::v1 as pb;
 
-use crate::harness::{Bench, assert_refused, at, insert, ray_along_z, settings, shape, sphere, with_token};
-
-fn get(session: &str) -> pb::GetSessionRequest {
-    pb::GetSessionRequest { session: session.to_owned() }
-}
-
-fn edit(session: &str) -> pb::EditRequest {
-    pb::EditRequest {
-        session: session.to_owned(),
-        edits: vec![insert(shape(1, sphere(1.0), at(0.0, 0.0, 5.0)))],
-        ..pb::EditRequest::default()
-    }
-}
-
-fn ray(session: &str) -> pb::RaycastRequest {
-    pb::RaycastRequest { session: session.to_owned(), ..ray_along_z() }
-}
+use crate::harness::{Bench, assert_refused, edit, get, ray, settings, with_token};
 
 async fn token(bench: &mut Bench, own: &str, session: &str, role: pb::Role) -> Result<String, tonic::Status> {
     let request = pb::CreateTokenRequest { session: session.to_owned(), role: role.into() };
