@@ -198,6 +198,14 @@ fn convex_out(convex: &Convex) -> Option<(Kind, f64)> {
             let half_extents = Some(pb::Vec3 { x: half.x, y: half.y, z: half.z });
             Some((Kind::Box(pb::Cuboid { half_extents }), radius))
         }
+        &Core::Cylinder { half_height, radius } => {
+            Some((Kind::Cylinder(pb::Cylinder { half_height, radius }), convex.radius))
+        }
+        &Core::Cone { half_height, radius } => Some((Kind::Cone(pb::Cone { half_height, radius }), convex.radius)),
+        Core::Ellipsoid { radii } => {
+            let radii = Some(pb::Vec3 { x: radii.x, y: radii.y, z: radii.z });
+            Some((Kind::Ellipsoid(pb::Ellipsoid { radii }), radius))
+        }
         Core::Hull(_) | Core::Triangle(_) => None,
     }
 }
@@ -233,6 +241,7 @@ fn convex_vertex_count(core: &Core) -> usize {
         Core::Cuboid { .. } => 8,
         Core::Hull(hull) => hull.vertices().len(),
         Core::Triangle(_) => 3,
+        Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => 0,
     }
 }
 

@@ -59,6 +59,10 @@ impl Convex {
             Core::Cuboid { half_extents } => length_up(*half_extents),
             Core::Hull(hull) => farthest(hull.vertices()),
             Core::Triangle(corners) => farthest(corners),
+            Core::Cylinder { half_height, radius } | Core::Cone { half_height, radius } => {
+                length_up(DVec3::new(*radius, *half_height, 0.0))
+            }
+            Core::Ellipsoid { radii } => radii.max_element(),
         };
         add_up(core, self.radius)
     }
@@ -70,6 +74,10 @@ impl Convex {
             Core::Cuboid { half_extents } => symmetric(*half_extents),
             Core::Hull(hull) => around(hull.vertices()),
             Core::Triangle(corners) => around(corners),
+            Core::Cylinder { half_height, radius } | Core::Cone { half_height, radius } => {
+                symmetric(DVec3::new(*radius, *half_height, *radius))
+            }
+            Core::Ellipsoid { radii } => symmetric(*radii),
         };
         sum(core, symmetric(DVec3::splat(self.radius)))
     }
@@ -94,7 +102,27 @@ fn turned_core(turn: &DMat3, core: &Core) -> Aabb {
         Core::Cuboid { half_extents } => symmetric(absolute(turn) * *half_extents),
         Core::Hull(hull) => turned_points(turn, hull.vertices()),
         Core::Triangle(corners) => turned_points(turn, corners),
+        Core::Cylinder { half_height, radius } => {
+            symmetric(turn.y_axis.abs() * *half_height + across_y(turn) * *radius)
+        }
+        Core::Cone { half_height, radius } => {
+            let (apex, base) = (turn.y_axis * *half_height, across_y(turn) * *radius);
+            Aabb::new(apex.min(DVec3::ZERO - apex - base), apex.max(base - apex))
+        }
+        Core::Ellipsoid { radii } => {
+            let stretched = [turn.x_axis * radii.x, turn.y_axis * radii.y, turn.z_axis * radii.z];
+            symmetric(DVec3::from_array(
+                [0, 1, 2].map(|row| DVec3::from_array(stretched.map(|axis| axis[row])).length()),
+            ))
+        }
     }
+}
+
+/// For each axis of the world, how far a unit circle about the turned y axis reaches along it.
+fn across_y(turn: &DMat3) -> DVec3 {
+    DVec3::from_array(
+        [0, 1, 2].map(|row| (turn.x_axis[row] * turn.x_axis[row] + turn.z_axis[row] * turn.z_axis[row]).sqrt()),
+    )
 }
 
 fn turned_points(turn: &DMat3, points: &[DVec3]) -> Aabb {

@@ -1,4 +1,11 @@
 //! Convex forms: a core and a radius around it.
+//!
+//! ```text
+//!   Segment      Cuboid        Cylinder        Cone            Ellipsoid
+//!      |         +---+         .-----.          /\              .---.
+//!   y  |         |   |   y     |  y  |         /y \           (   y  )
+//!      |         +---+         '-----'        /____\            '---'
+//! ```
 
 use std::sync::Arc;
 
@@ -15,7 +22,7 @@ pub struct Convex {
     pub radius: f64,
 }
 
-/// A polytope about the local origin, possibly flat.
+/// What a radius goes around: a polytope, possibly flat, or one of three round bodies about the local origin.
 #[derive(Clone, Debug)]
 pub enum Core {
     /// The local origin.
@@ -34,6 +41,25 @@ pub enum Core {
     Hull(Arc<Hull>),
     /// A triangle of a mesh, by its corners.
     Triangle([DVec3; 3]),
+    /// A cylinder about the local origin, along y.
+    Cylinder {
+        /// Half of its height, metres, above 0.
+        half_height: f64,
+        /// Of both ends, metres, above 0.
+        radius: f64,
+    },
+    /// A cone along y: base at −`half_height`, apex at +`half_height`.
+    Cone {
+        /// Half of its height, metres, above 0.
+        half_height: f64,
+        /// Of the base, metres, above 0.
+        radius: f64,
+    },
+    /// An ellipsoid about the local origin.
+    Ellipsoid {
+        /// Half axes along x, y and z, metres, above 0.
+        radii: DVec3,
+    },
 }
 
 impl Core {
@@ -46,6 +72,19 @@ impl Core {
             Self::Cuboid { half_extents } => half_extents.length(),
             Self::Hull(hull) => farthest(hull.vertices()),
             Self::Triangle(corners) => farthest(corners),
+            Self::Cylinder { half_height, radius } | Self::Cone { half_height, radius } => {
+                (half_height * half_height + radius * radius).sqrt()
+            }
+            Self::Ellipsoid { radii } => radii.max_element(),
+        }
+    }
+
+    /// Whether it has finitely many corners.
+    #[must_use]
+    pub fn is_polytope(&self) -> bool {
+        match self {
+            Self::Point | Self::Segment { .. } | Self::Cuboid { .. } | Self::Hull(_) | Self::Triangle(_) => true,
+            Self::Cylinder { .. } | Self::Cone { .. } | Self::Ellipsoid { .. } => false,
         }
     }
 }

@@ -91,6 +91,49 @@ impl Geometry {
         }
     }
 
+    /// A cylinder along y about the local origin, `half_height` metres to each end.
+    ///
+    /// # Errors
+    /// A number is not finite or not within [`Limits`].
+    pub fn cylinder(half_height: f64, radius: f64) -> Result<Self, GeometryError> {
+        check_size("half_height", half_height, "from 1e-9 to 1e9 metres")?;
+        check_size("radius", radius, "from 1e-9 to 1e9 metres (for a segment, send a capsule of radius 0)")?;
+        Ok(Self::convex(Core::Cylinder { half_height, radius }, 0.0))
+    }
+
+    /// A cone along y: its base of `radius` metres at −`half_height`, its apex at +`half_height`.
+    ///
+    /// # Errors
+    /// A number is not finite or not within [`Limits`].
+    pub fn cone(half_height: f64, radius: f64) -> Result<Self, GeometryError> {
+        check_size("half_height", half_height, "from 1e-9 to 1e9 metres")?;
+        check_size("radius", radius, "from 1e-9 to 1e9 metres (for a segment, send a capsule of radius 0)")?;
+        Ok(Self::convex(Core::Cone { half_height, radius }, 0.0))
+    }
+
+    /// An ellipsoid about the local origin. Equal half axes make a ball: the very form, and id, of [`Geometry::sphere`].
+    ///
+    /// # Errors
+    /// A half axis is not finite or not within [`Limits`], or they are more than [`Limits::ELLIPSOID_RATIO`] apart.
+    pub fn ellipsoid(radii: DVec3) -> Result<Self, GeometryError> {
+        for (axis, value) in radii.to_array().into_iter().enumerate() {
+            check_size(&format!("radii.{}", AXES[axis]), value, "from 1e-9 to 1e9 metres")?;
+        }
+        let (least, most) = (radii.min_element(), radii.max_element());
+        if most > least * Limits::ELLIPSOID_RATIO {
+            return Err(GeometryError::Bad {
+                field: "radii".into(),
+                reason: format!(
+                    "is {least} to {most} metres: at most 1e6 apart in ratio (for a flat one, send a cylinder)"
+                ),
+            });
+        }
+        if least.total_cmp(&most).is_eq() {
+            return Ok(Self::convex(Core::Point, least));
+        }
+        Ok(Self::convex(Core::Ellipsoid { radii }, 0.0))
+    }
+
     /// The convex hull of points: 1 to 65,536, in any order, inner ones allowed, flat or straight sets too.
     ///
     /// # Errors
@@ -176,6 +219,11 @@ impl Geometry {
                 Core::Hull(Arc::new(Hull::new(&points)))
             }
             Core::Triangle(corners) => Core::Triangle(corners.map(|corner| corner * scale)),
+            Core::Cylinder { half_height, radius } => {
+                Core::Cylinder { half_height: size(half_height)?, radius: size(radius)? }
+            }
+            Core::Cone { half_height, radius } => Core::Cone { half_height: size(half_height)?, radius: size(radius)? },
+            Core::Ellipsoid { radii: r } => Core::Ellipsoid { radii: DVec3::new(size(r.x)?, size(r.y)?, size(r.z)?) },
         };
         Ok(Self::convex(core, radius))
     }
@@ -221,7 +269,13 @@ impl Geometry {
             Form::Mesh(mesh) => mesh.memory_bytes(),
             Form::Convex(convex) => match &convex.core {
                 Core::Hull(hull) => hull.memory_bytes(),
-                Core::Point | Core::Segment { .. } | Core::Cuboid { .. } | Core::Triangle(_) => 0,
+                Core::Point
+                | Core::Segment { .. }
+                | Core::Cuboid { .. }
+                | Core::Triangle(_)
+                | Core::Cylinder { .. }
+                | Core::Cone { .. }
+                | Core::Ellipsoid { .. } => 0,
             },
         };
         size_of::<Self>() as u64 + shared

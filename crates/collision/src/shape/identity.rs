@@ -40,6 +40,20 @@ impl Content {
                 self.kind(4);
                 corners.iter().for_each(|&corner| self.point(corner));
             }
+            Core::Cylinder { half_height, radius } => {
+                self.kind(6);
+                self.number(*half_height);
+                self.number(*radius);
+            }
+            Core::Cone { half_height, radius } => {
+                self.kind(7);
+                self.number(*half_height);
+                self.number(*radius);
+            }
+            Core::Ellipsoid { radii } => {
+                self.kind(8);
+                self.point(*radii);
+            }
         }
         self.number(convex.radius);
     }

@@ -13,6 +13,8 @@ impl Limits {
     pub const SIZE_MIN: f64 = 1e-9;
     /// Sizes are at most this, metres.
     pub const SIZE_MAX: f64 = 1e9;
+    /// Longest half axis of an ellipsoid over its shortest.
+    pub const ELLIPSOID_RATIO: f64 = 1e6;
     /// Most points of a hull.
     pub const HULL_POINTS: usize = 65_536;
     /// Most triangles of a mesh.

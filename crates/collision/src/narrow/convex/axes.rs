@@ -75,8 +75,10 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
         edges: None,
         tested: 0,
     };
-    let corners = pair.a.corner_count() + pair.b.corner_count();
-    let is_bounded = a.edges.len().saturating_mul(b.edges.len()) <= WORK_MAX
+    let corners = pair.a.corner_count().saturating_add(pair.b.corner_count());
+    let is_bounded = pair.a.core.is_polytope()
+        && pair.b.core.is_polytope()
+        && a.edges.len().saturating_mul(b.edges.len()) <= WORK_MAX
         && (a.normals.len() + b.normals.len()).saturating_mul(corners) <= WORK_MAX;
     if is_bounded {
         all_axes(&mut best, &a, &b);
@@ -200,7 +202,9 @@ fn perpendicular(edge: Option<&Edge>) -> DVec3 {
 
 fn outline(body: &Body<'_>) -> Outline {
     match body.core {
-        Core::Point => Outline { normals: Vec::new(), edges: Vec::new(), is_solid: false },
+        Core::Point | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => {
+            Outline { normals: Vec::new(), edges: Vec::new(), is_solid: false }
+        }
         Core::Segment { .. } => {
             let edge = edge(body, [0, 1], body.turn(DVec3::Y), [DVec3::ZERO; 2]);
             Outline { normals: Vec::new(), edges: vec![edge], is_solid: false }

@@ -114,8 +114,25 @@ impl Body<'_> {
             }
             Core::Hull(hull) => farthest(hull.vertices(), local),
             Core::Triangle(corners) => farthest(corners, local),
+            Core::Cylinder { half_height, radius } => {
+                let rim = on_circle(local, *radius);
+                return self.round_corner(DVec3::new(rim.x, half_height.copysign(local.y), rim.z));
+            }
+            Core::Cone { half_height, radius } => {
+                let rim = on_circle(local, *radius) - DVec3::Y * *half_height;
+                let apex = DVec3::Y * *half_height;
+                return self.round_corner(if apex.dot(local) >= rim.dot(local) { apex } else { rim });
+            }
+            Core::Ellipsoid { radii } => {
+                let stretched = *radii * local;
+                return self.round_corner(*radii * stretched.normalize_or(DVec3::X));
+            }
         };
         self.corner(index)
+    }
+
+    fn round_corner(&self, local: DVec3) -> Corner {
+        Corner { point: self.out(local), index: 0 }
     }
 
     /// A corner by its number.
@@ -131,6 +148,7 @@ impl Body<'_> {
             Core::Cuboid { .. } => 8,
             Core::Hull(hull) => hull.vertices().len(),
             Core::Triangle(_) => 3,
+            Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => usize::MAX,
         }
     }
 
@@ -142,7 +160,12 @@ impl Body<'_> {
     /// A point inside the core.
     pub(super) fn center(&self) -> DVec3 {
         match self.core {
-            Core::Point | Core::Segment { .. } | Core::Cuboid { .. } => self.position,
+            Core::Point
+            | Core::Segment { .. }
+            | Core::Cuboid { .. }
+            | Core::Cylinder { .. }
+            | Core::Cone { .. }
+            | Core::Ellipsoid { .. } => self.position,
             Core::Hull(hull) => self.out(mean(hull.vertices())),
             Core::Triangle(corners) => self.out(mean(corners)),
         }
@@ -152,7 +175,13 @@ impl Body<'_> {
     pub(super) fn hull(&self) -> Option<&Hull> {
         match self.core {
             Core::Hull(hull) => Some(hull),
-            Core::Point | Core::Segment { .. } | Core::Cuboid { .. } | Core::Triangle(_) => None,
+            Core::Point
+            | Core::Segment { .. }
+            | Core::Cuboid { .. }
+            | Core::Triangle(_)
+            | Core::Cylinder { .. }
+            | Core::Cone { .. }
+            | Core::Ellipsoid { .. } => None,
         }
     }
 
@@ -162,7 +191,7 @@ impl Body<'_> {
 
     fn local_corner(&self, index: u32) -> DVec3 {
         match self.core {
-            Core::Point => DVec3::ZERO,
+            Core::Point | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => DVec3::ZERO,
             Core::Segment { half_height } => DVec3::new(0.0, if index == 1 { *half_height } else { -half_height }, 0.0),
             Core::Cuboid { half_extents } => {
                 let side = |bit: u32, half: f64| if index >> bit & 1 == 1 { half } else { -half };
@@ -180,6 +209,11 @@ fn reach(convex: &Convex) -> f64 {
 
 fn mean(points: &[DVec3]) -> DVec3 {
     points.iter().sum::<DVec3>() / points.len() as f64
+}
+
+/// The point of a circle about y that is farthest along a direction; any if the direction is along y.
+fn on_circle(direction: DVec3, radius: f64) -> DVec3 {
+    DVec3::new(direction.x, 0.0, direction.z).normalize_or(DVec3::X) * radius
 }
 
 fn farthest(points: &[DVec3], direction: DVec3) -> u32 {

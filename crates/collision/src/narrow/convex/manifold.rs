@@ -210,7 +210,9 @@ fn short(index: u32) -> u16 {
 fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
     let corner = body.support(direction);
     match body.core {
-        Core::Point => Facing { corners: vec![corner], is_flat: false },
+        Core::Point | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => {
+            Facing { corners: vec![corner], is_flat: false }
+        }
         Core::Segment { .. } => {
             let is_flat = body.turn(DVec3::Y).dot(direction).abs() <= FLAT_CONTACT_SINE;
             let corners = if is_flat { vec![body.corner(0), body.corner(1)] } else { vec![corner] };

@@ -24,8 +24,11 @@ fn kind(core: &Core) -> u8 {
         Core::Cuboid { .. } => 0,
         Core::Hull(_) => 1,
         Core::Triangle(_) => 2,
-        Core::Segment { .. } => 3,
-        Core::Point => 4,
+        Core::Cylinder { .. } => 3,
+        Core::Cone { .. } => 4,
+        Core::Ellipsoid { .. } => 5,
+        Core::Segment { .. } => 6,
+        Core::Point => 7,
     }
 }
 
@@ -36,6 +39,11 @@ fn content(a: &Core, b: &Core) -> Ordering {
         (Core::Segment { half_height: a }, Core::Segment { half_height: b }) => a.total_cmp(b),
         (Core::Hull(a), Core::Hull(b)) => points(a.vertices(), b.vertices()),
         (Core::Triangle(a), Core::Triangle(b)) => points(a, b),
+        (Core::Cylinder { half_height: a, radius: r }, Core::Cylinder { half_height: b, radius: s })
+        | (Core::Cone { half_height: a, radius: r }, Core::Cone { half_height: b, radius: s }) => {
+            compare(&[*a, *r], &[*b, *s])
+        }
+        (Core::Ellipsoid { radii: a }, Core::Ellipsoid { radii: b }) => points(&[*a], &[*b]),
         _ => Ordering::Equal,
     }
 }

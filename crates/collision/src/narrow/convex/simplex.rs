@@ -28,7 +28,7 @@ impl Vertex {
     }
 
     fn is_same(&self, other: &Self) -> bool {
-        self.on_a.index == other.on_a.index && self.on_b.index == other.on_b.index
+        self.on_a.point == other.on_a.point && self.on_b.point == other.on_b.point
     }
 }
 

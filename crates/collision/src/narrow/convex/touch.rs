@@ -52,6 +52,12 @@ fn half_extents(placed: PlacedConvex<'_>) -> Option<DVec3> {
         Core::Point => Some(DVec3::ZERO),
         Core::Segment { half_height } if !is_turned => Some(DVec3::new(0.0, *half_height, 0.0)),
         Core::Cuboid { half_extents } if !is_turned => Some(*half_extents),
-        Core::Segment { .. } | Core::Cuboid { .. } | Core::Hull(_) | Core::Triangle(_) => None,
+        Core::Segment { .. }
+        | Core::Cuboid { .. }
+        | Core::Hull(_)
+        | Core::Triangle(_)
+        | Core::Cylinder { .. }
+        | Core::Cone { .. }
+        | Core::Ellipsoid { .. } => None,
     }
 }

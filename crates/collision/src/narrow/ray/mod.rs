@@ -101,7 +101,12 @@ pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Wo
     work.pairs_tested += 1;
     work.iterations += 1;
     let about = match &convex.core {
-        Core::Point | Core::Segment { .. } | Core::Cuboid { .. } => Target::about_origin(target.geometry),
+        Core::Point
+        | Core::Segment { .. }
+        | Core::Cuboid { .. }
+        | Core::Cylinder { .. }
+        | Core::Cone { .. }
+        | Core::Ellipsoid { .. } => Target::about_origin(target.geometry),
         Core::Hull(_) | Core::Triangle(_) => Target::about_center(target.geometry),
     };
     let local = LocalRay::new(ray, &target.pose, about);
@@ -110,8 +115,10 @@ pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Wo
     }
     let crossing = match (simple_crossing(&local, convex, about), convex.radius > 0.0) {
         (Some(found), _) => found,
-        (None, true) => rounded::crossing(&local, convex, about, accuracy, work),
-        (None, false) => flat_sided_crossing(&local, &convex.core, about.center),
+        (None, is_rounded) if is_rounded || !convex.core.is_polytope() => {
+            rounded::crossing(&local, convex, about, accuracy, work)
+        }
+        (None, _) => flat_sided_crossing(&local, &convex.core, about.center),
     };
     crossing.map_or_else(RayTouches::default, |crossing| crossing.touches(ray, &local, &target.pose))
 }
@@ -127,7 +134,11 @@ fn simple_crossing(local: &LocalRay, convex: &Convex, about: Target) -> Option<O
             let (axis, length) = (end - start).normalize_and_length();
             round(start * 0.5 + end * 0.5 - about.center, axis, 0.5 * length)
         }
-        Core::Cuboid { .. } | Core::Triangle(_) => return None,
+        Core::Cuboid { .. }
+        | Core::Triangle(_)
+        | Core::Cylinder { .. }
+        | Core::Cone { .. }
+        | Core::Ellipsoid { .. } => return None,
     };
     Some(round.crossing(local))
 }
@@ -148,6 +159,6 @@ fn flat_sided_crossing(local: &LocalRay, core: &Core, center: DVec3) -> Option<C
         Core::Cuboid { half_extents } => polytope::cuboid(local, *half_extents),
         Core::Hull(hull) => polytope::hull(local, hull, center),
         Core::Triangle(corners) => polytope::polygon(local, corners, center),
-        Core::Point | Core::Segment { .. } => None,
+        Core::Point | Core::Segment { .. } | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => None,
     }
 }
