@@ -127,3 +127,14 @@ pub const LIMIT_WIDENING: f64 = 1.0 + 64.0 * ROUNDING;
 /// position turned into the frame, and 4 · 30 · √3 for the product of two rounded unit quaternions as a rotation, 319
 /// together. Larger: more triangles are looked at; smaller: one might not be. Test: `pieces_laws.rs`, exact touch.
 pub const RELATIVE_POSE: f64 = 512.0 * ROUNDING;
+
+/// How far corners of one triangle may differ in height along its normal, and how far a point must lie above a plane to
+/// see it, while a polytope expands: 16 roundings, since three products and two sums of values below 2 are off by at most 8,
+/// and the normal by as much again. Smaller, and planes that are one in truth are split by rounding into slivers; larger,
+/// and the last expansions, which bring less than this, are left out. Pinned by the coverage runner (widths of depths).
+pub const FACE_HEIGHT: f64 = 16.0 * ROUNDING;
+
+/// An expanding polytope that ends wider than this leaves polytopes to the separating axes: 16 errors of a support value,
+/// where it ends within 4 unless slivers are in the way. Smaller, and exact answers are sought twice; larger, and depths
+/// are known to less than the arithmetic can tell. Pinned by the coverage runner (widths of depths).
+pub const DEPTH_WIDTH: f64 = 16.0 * PAIR_ROUNDING;

@@ -19,7 +19,8 @@
 use glam::DVec3;
 
 use super::{
-    frame::{Body, Corner, Pair},
+    body::{Body, Corner},
+    frame::Pair,
     gjk,
 };
 use crate::{
@@ -67,6 +68,7 @@ struct Outline {
 /// Measures the depth of two cores along all axes that can be the least.
 pub(super) fn depth(pair: &Pair<'_>) -> Depth {
     let (a, b) = (outline(&pair.a), outline(&pair.b));
+    let is_bounded = is_few(pair, &a, &b);
     let mut best = Best {
         pair,
         separation: f64::NEG_INFINITY,
@@ -75,11 +77,6 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
         edges: None,
         tested: 0,
     };
-    let corners = pair.a.corner_count().saturating_add(pair.b.corner_count());
-    let is_bounded = pair.a.core.is_polytope()
-        && pair.b.core.is_polytope()
-        && a.edges.len().saturating_mul(b.edges.len()) <= WORK_MAX
-        && (a.normals.len() + b.normals.len()).saturating_mul(corners) <= WORK_MAX;
     if is_bounded {
         all_axes(&mut best, &a, &b);
     } else {
@@ -102,6 +99,17 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
         iterations: best.tested,
         stop: if is_bounded { Stop::Converged } else { Stop::Budget },
     }
+}
+
+/// Whether all axes can be looked at.
+pub(super) fn is_bounded(pair: &Pair<'_>) -> bool {
+    pair.a.core.is_polytope() && pair.b.core.is_polytope() && is_few(pair, &outline(&pair.a), &outline(&pair.b))
+}
+
+fn is_few(pair: &Pair<'_>, a: &Outline, b: &Outline) -> bool {
+    let corners = pair.a.corner_count().zip(pair.b.corner_count()).map(|(a, b)| a + b);
+    a.edges.len().saturating_mul(b.edges.len()) <= WORK_MAX
+        && corners.is_some_and(|corners| (a.normals.len() + b.normals.len()).saturating_mul(corners) <= WORK_MAX)
 }
 
 /// The faces of both and the edge pairs that can matter.

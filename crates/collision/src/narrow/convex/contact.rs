@@ -33,7 +33,7 @@ fn penetration_in_order(
     work: &mut Work,
 ) -> Option<Contact> {
     let pair = Pair::new(a, b, 0.0);
-    let touch = depth::touch(&pair, accuracy.budget, pair.length_in(max_gap));
+    let touch = depth::touch(&pair, &depth::Ask::of(&pair, max_gap, accuracy));
     work.pairs_tested += 1;
     work.iterations += touch.as_ref().map_or(1, |touch| u64::from(touch.iterations));
     let mut touch = touch?;

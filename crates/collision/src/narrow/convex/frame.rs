@@ -7,32 +7,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::PlacedConvex;
-use crate::{
-    answer::Bound,
-    math::Pose,
-    shape::{Convex, Core, Hull},
-};
-
-/// A core in the pair's frame.
-pub(super) struct Body<'a> {
-    /// The form, unscaled, in its own frame.
-    pub(super) core: &'a Core,
-    /// Radius around the core, scaled.
-    pub(super) radius: f64,
-    /// From its own axes to those of the frame.
-    pub(super) rotation: DMat3,
-    /// Where its local origin is.
-    pub(super) position: DVec3,
-    scale: f64,
-}
-
-/// A corner of a core, in the pair's frame, and its number within the core.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Corner {
-    pub(super) point: DVec3,
-    pub(super) index: u32,
-}
+use super::{PlacedConvex, body::Body};
+use crate::{answer::Bound, math::Pose, shape::Convex};
 
 /// Two cores in one frame.
 pub(super) struct Pair<'a> {
@@ -102,129 +78,8 @@ impl<'a> Pair<'a> {
     }
 }
 
-impl Body<'_> {
-    /// The corner farthest along `direction`; of equal ones the first.
-    pub(super) fn support(&self, direction: DVec3) -> Corner {
-        let local = self.rotation.transpose() * direction;
-        let index = match self.core {
-            Core::Point => 0,
-            Core::Segment { .. } => u32::from(local.y > 0.0),
-            Core::Cuboid { .. } => {
-                u32::from(local.x > 0.0) | u32::from(local.y > 0.0) << 1 | u32::from(local.z > 0.0) << 2
-            }
-            Core::Hull(hull) => farthest(hull.vertices(), local),
-            Core::Triangle(corners) => farthest(corners, local),
-            Core::Cylinder { half_height, radius } => {
-                let rim = on_circle(local, *radius);
-                return self.round_corner(DVec3::new(rim.x, half_height.copysign(local.y), rim.z));
-            }
-            Core::Cone { half_height, radius } => {
-                let rim = on_circle(local, *radius) - DVec3::Y * *half_height;
-                let apex = DVec3::Y * *half_height;
-                return self.round_corner(if apex.dot(local) >= rim.dot(local) { apex } else { rim });
-            }
-            Core::Ellipsoid { radii } => {
-                let stretched = *radii * local;
-                return self.round_corner(*radii * stretched.normalize_or(DVec3::X));
-            }
-        };
-        self.corner(index)
-    }
-
-    fn round_corner(&self, local: DVec3) -> Corner {
-        Corner { point: self.out(local), index: 0 }
-    }
-
-    /// A corner by its number.
-    pub(super) fn corner(&self, index: u32) -> Corner {
-        Corner { point: self.out(self.local_corner(index)), index }
-    }
-
-    /// How many corners the core has.
-    pub(super) fn corner_count(&self) -> usize {
-        match self.core {
-            Core::Point => 1,
-            Core::Segment { .. } => 2,
-            Core::Cuboid { .. } => 8,
-            Core::Hull(hull) => hull.vertices().len(),
-            Core::Triangle(_) => 3,
-            Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => usize::MAX,
-        }
-    }
-
-    /// A direction of the core's own frame in the pair's.
-    pub(super) fn turn(&self, local: DVec3) -> DVec3 {
-        self.rotation * local
-    }
-
-    /// A point inside the core.
-    pub(super) fn center(&self) -> DVec3 {
-        match self.core {
-            Core::Point
-            | Core::Segment { .. }
-            | Core::Cuboid { .. }
-            | Core::Cylinder { .. }
-            | Core::Cone { .. }
-            | Core::Ellipsoid { .. } => self.position,
-            Core::Hull(hull) => self.out(mean(hull.vertices())),
-            Core::Triangle(corners) => self.out(mean(corners)),
-        }
-    }
-
-    /// The hull's faces and edges, if the core is a hull.
-    pub(super) fn hull(&self) -> Option<&Hull> {
-        match self.core {
-            Core::Hull(hull) => Some(hull),
-            Core::Point
-            | Core::Segment { .. }
-            | Core::Cuboid { .. }
-            | Core::Triangle(_)
-            | Core::Cylinder { .. }
-            | Core::Cone { .. }
-            | Core::Ellipsoid { .. } => None,
-        }
-    }
-
-    fn out(&self, local: DVec3) -> DVec3 {
-        self.rotation * (local * self.scale) + self.position
-    }
-
-    fn local_corner(&self, index: u32) -> DVec3 {
-        match self.core {
-            Core::Point | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => DVec3::ZERO,
-            Core::Segment { half_height } => DVec3::new(0.0, if index == 1 { *half_height } else { -half_height }, 0.0),
-            Core::Cuboid { half_extents } => {
-                let side = |bit: u32, half: f64| if index >> bit & 1 == 1 { half } else { -half };
-                DVec3::new(side(0, half_extents.x), side(1, half_extents.y), side(2, half_extents.z))
-            }
-            Core::Hull(hull) => hull.vertices()[index as usize],
-            Core::Triangle(corners) => corners[index as usize],
-        }
-    }
-}
-
 fn reach(convex: &Convex) -> f64 {
     convex.core.reach() + convex.radius
-}
-
-fn mean(points: &[DVec3]) -> DVec3 {
-    points.iter().sum::<DVec3>() / points.len() as f64
-}
-
-/// The point of a circle about y that is farthest along a direction; any if the direction is along y.
-fn on_circle(direction: DVec3, radius: f64) -> DVec3 {
-    DVec3::new(direction.x, 0.0, direction.z).normalize_or(DVec3::X) * radius
-}
-
-fn farthest(points: &[DVec3], direction: DVec3) -> u32 {
-    let mut best = (0, f64::NEG_INFINITY);
-    for (index, point) in (0..).zip(points) {
-        let height = point.dot(direction);
-        if height > best.1 {
-            best = (index, height);
-        }
-    }
-    best.0
 }
 
 /// The rotation of `b` in the axes of `a`; exactly none where both are turned alike.

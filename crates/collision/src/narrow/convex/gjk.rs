@@ -8,12 +8,17 @@
 //! # Source
 //! Gilbert, Johnson, Keerthi (1988); stopping on the certified gap: van den Bergen, "A fast and robust GJK
 //! implementation" (1999), sections 3 and 4.
+//!
+//! # Limits
+//! Round cores converge linearly: about 17 iterations to the last bit for an ellipsoid, more for flat ones. A budget that
+//! is spent leaves a wide interval, never a verdict.
 
 use glam::DVec3;
 
 use super::{
     frame::Pair,
     simplex::{Simplex, Vertex},
+    warm::Seed,
 };
 use crate::{answer::Stop, tolerance::PAIR_ROUNDING};
 
@@ -31,40 +36,58 @@ pub(super) struct Gap {
     pub(super) length: f64,
     /// Unit vector from `b` to `a` across which `lower` was proved; 0 where nothing was.
     pub(super) normal: DVec3,
-    /// Where the cores are nearest: on `a` and on `b`.
-    pub(super) witnesses: (DVec3, DVec3),
+    /// Where it ended: its point is the nearest that was found, its tetrahedron may hold the origin.
+    pub(super) simplex: Simplex,
     /// How deep inside a tetrahedron of the difference the origin lies; the cores overlap at least so deep.
     pub(super) inside: f64,
     pub(super) iterations: u32,
     pub(super) stop: Stop,
 }
 
+impl Gap {
+    /// Where the cores are nearest: on `a` and on `b`.
+    pub(super) fn witnesses(&self) -> (DVec3, DVec3) {
+        self.simplex.witnesses()
+    }
+}
+
 /// Measures the gap until `is_enough(lower, upper)`, or until the arithmetic gives no more, or the budget is spent.
 pub(super) fn gap(pair: &Pair<'_>, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Gap {
     let toward_a = pair.a.center() - pair.b.center();
-    let mut search = Search {
-        pair,
-        simplex: Simplex::of(support(pair, toward_a.try_normalize().unwrap_or(DVec3::X))),
-        lower: 0.0,
-        normal: DVec3::ZERO,
-        iterations: 0,
-    };
+    let simplex = Simplex::of(support(pair, toward_a.try_normalize().unwrap_or(DVec3::X)));
+    gap_from(pair, simplex, budget, is_enough)
+}
+
+/// The same from what an earlier question about the pair found; a cold start where that is of no use.
+pub(super) fn gap_warm(pair: &Pair<'_>, seed: &Seed, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Gap {
+    match seed.simplex(pair) {
+        Some(simplex) => gap_from(pair, simplex, budget, is_enough),
+        None => gap(pair, budget, is_enough),
+    }
+}
+
+fn gap_from(pair: &Pair<'_>, simplex: Simplex, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Gap {
+    let mut search = Search { pair, simplex, lower: 0.0, normal: DVec3::ZERO, iterations: 0 };
     while search.iterations < budget {
         search.iterations += 1;
+        if search.simplex.vertices().len() == 4 {
+            return search.end(Stop::Converged);
+        }
         let nearest = search.simplex.point();
         let length = nearest.length();
         if length <= PAIR_ROUNDING {
             return search.end(Stop::Converged);
         }
-        let vertex = search.raise_lower(nearest / length);
+        let toward = nearest / length;
+        let vertex = search.raise_lower(toward);
         if is_enough(search.lower, length + PAIR_ROUNDING) {
             return search.end(Stop::Tolerance);
         }
-        let is_settled = length - search.lower <= 2.0 * PAIR_ROUNDING || !search.advance(vertex, length);
-        if is_settled && !search.polish(nearest / length, length) {
+        if length - search.lower <= 2.0 * PAIR_ROUNDING {
             return search.end(Stop::Converged);
         }
-        if search.simplex.vertices().len() == 4 {
+        let is_settled = search.simplex.contains(&vertex) || !search.simplex.advance(&vertex);
+        if is_settled && !search.polish(toward, length) {
             return search.end(Stop::Converged);
         }
     }
@@ -96,19 +119,6 @@ impl Search<'_> {
         vertex
     }
 
-    /// Takes `vertex` into the simplex if that brings it nearer than `length`; says whether it did.
-    fn advance(&mut self, vertex: Vertex, length: f64) -> bool {
-        if self.simplex.contains(&vertex) {
-            return false;
-        }
-        let next = self.simplex.nearest_with(vertex);
-        let is_nearer = next.point().length() < length;
-        if is_nearer {
-            self.simplex = next;
-        }
-        is_nearer
-    }
-
     /// Raises the lower bound by normals of the features that support the nearest point. Where that point lies within
     /// rounding of an edge between faces, no vertex brings it measurably nearer, though the plane may still lean by the
     /// square root of that. So the features are refined as a portal is: support vertices beyond their plane join them,
@@ -124,7 +134,7 @@ impl Search<'_> {
             if features.contains(&vertex) || length - self.lower <= 2.0 * PAIR_ROUNDING {
                 break;
             }
-            features = features.grown_or_swapped(vertex);
+            features = features.grown_or_swapped(&vertex);
         }
         let next = features.nearest();
         let is_nearer = next.point().length() < length;
@@ -142,7 +152,7 @@ impl Search<'_> {
             upper: length + PAIR_ROUNDING,
             length,
             normal: self.normal,
-            witnesses: self.simplex.witnesses(),
+            simplex: self.simplex,
             inside,
             iterations: self.iterations,
             stop,

@@ -198,7 +198,7 @@ impl<'a> Search<'a> {
 
     /// A point between the cores' nearest ones, on the surface of the first form.
     fn point_between(&self, gap: &gjk::Gap) -> DVec3 {
-        let (on_a, on_b) = gap.witnesses;
+        let (on_a, on_b) = gap.witnesses();
         let apart = (on_a - on_b).length();
         let share = if apart > 0.0 { (self.pair.a.radius / apart).min(1.0) } else { 0.0 };
         on_a + (on_b - on_a) * share

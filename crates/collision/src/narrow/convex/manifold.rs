@@ -11,8 +11,9 @@
 use glam::DVec3;
 
 use super::{
+    body::{Body, Corner},
     depth::Touch,
-    frame::{Body, Corner, Pair},
+    frame::Pair,
 };
 use crate::{shape::Core, tolerance::FLAT_CONTACT_SINE};
 

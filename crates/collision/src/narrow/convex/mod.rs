@@ -8,16 +8,21 @@
 //! Arguments are put in a fixed order first (kind, content, pose), so that swapping them swaps the answer bit by bit.
 
 mod axes;
+mod body;
+mod boxes;
 mod contact;
 mod depth;
+mod epa;
 mod frame;
 mod gjk;
 mod impact;
+mod inscribed;
 mod manifold;
 mod order;
 mod separation;
 mod simplex;
 mod touch;
+mod warm;
 
 use crate::{math::Pose, shape::Convex};
 

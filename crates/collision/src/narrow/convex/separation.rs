@@ -138,7 +138,7 @@ fn distance_in_order(
         return None;
     }
     let verdict = if upper <= limit_in { Verdict::Hit } else { Verdict::Undecided };
-    let (on_a, on_b) = gap.witnesses;
+    let (on_a, on_b) = gap.witnesses();
     let apart = on_a - on_b;
     let best = if upper == 0.0 { 0.0 } else { (apart.length() - radius).clamp(lower, upper) };
     let normal = if gap.normal == DVec3::ZERO { apart.try_normalize() } else { Some(gap.normal) };

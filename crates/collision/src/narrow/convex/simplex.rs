@@ -5,13 +5,20 @@
 //! the simplex is largest, so nothing is divided by a small number; where the origin lies beyond a face, each face with a
 //! wrong sign is tried and the nearest taken. A simplex without volume tries all its faces.
 //!
+//! ```text
+//!        c                 inside all three sides: the foot of the origin on the plane
+//!       / \                beyond a side:          the nearest point of that side
+//!      / x \               beyond an end of it:    the corner
+//!     a-----b
+//! ```
+//!
 //! # Source
 //! Montanari, Petrinic, Barbieri, "Improving the GJK algorithm for faster and more reliable distance queries between
 //! convex objects" (2017), section 4.
 
 use glam::DVec3;
 
-use super::frame::Corner;
+use super::body::Corner;
 use crate::tolerance::CROSS_BLUR;
 
 /// A vertex of the Minkowski difference `a − b` and where it comes from.
@@ -27,8 +34,9 @@ impl Vertex {
         Self { point: on_a.point - on_b.point, on_a, on_b }
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        self.on_a.point == other.on_a.point && self.on_b.point == other.on_b.point
+    /// Whether both come from the same points of the forms.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        self.point == other.point && self.on_a.point == other.on_a.point
     }
 }
 
@@ -36,17 +44,29 @@ impl Vertex {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
     vertices: [Vertex; 4],
-    weights: [f64; 4],
-    count: usize,
+    part: Part,
 }
 
 impl Simplex {
     pub(super) fn of(vertex: Vertex) -> Self {
-        Self { vertices: [vertex; 4], weights: [1.0, 0.0, 0.0, 0.0], count: 1 }
+        let part = Part { members: [0; 4], weights: [1.0, 0.0, 0.0, 0.0], count: 1, point: vertex.point };
+        Self { vertices: [vertex; 4], part }
+    }
+
+    /// The part nearest to the origin of the hull of one to four vertices.
+    pub(super) fn nearest_of(vertices: &[Vertex]) -> Option<Self> {
+        let (&first, rest) = vertices.split_first()?;
+        let mut simplex = Self::of(first);
+        for &vertex in rest.iter().take(3) {
+            simplex.vertices[simplex.part.count] = vertex;
+            simplex.part.count += 1;
+        }
+        simplex.take(nearest_part(&simplex.points(), simplex.part.count));
+        Some(simplex)
     }
 
     pub(super) fn vertices(&self) -> &[Vertex] {
-        &self.vertices[..self.count]
+        &self.vertices[..self.part.count]
     }
 
     pub(super) fn contains(&self, vertex: &Vertex) -> bool {
@@ -55,146 +75,199 @@ impl Simplex {
 
     /// The weighted point of the difference.
     pub(super) fn point(&self) -> DVec3 {
-        self.weighted(|vertex| vertex.point)
+        self.part.point
     }
 
     /// The weighted points of `a` and of `b`.
     pub(super) fn witnesses(&self) -> (DVec3, DVec3) {
-        (self.weighted(|vertex| vertex.on_a.point), self.weighted(|vertex| vertex.on_b.point))
+        let mut witnesses = (DVec3::ZERO, DVec3::ZERO);
+        for (vertex, weight) in self.vertices().iter().zip(self.part.weights) {
+            witnesses.0 += vertex.on_a.point * weight;
+            witnesses.1 += vertex.on_b.point * weight;
+        }
+        witnesses
     }
 
-    /// The part of this simplex with `vertex` added that is nearest to the origin.
-    pub(super) fn nearest_with(&self, vertex: Vertex) -> Self {
-        let mut grown = *self;
-        grown.vertices[grown.count] = vertex;
-        grown.count += 1;
-        grown.nearest()
+    /// Takes `vertex` in and goes to the nearest part, if that brings the point nearer; says whether it did.
+    pub(super) fn advance(&mut self, vertex: &Vertex) -> bool {
+        let count = self.part.count;
+        if count == 4 {
+            return false;
+        }
+        let mut points = self.points();
+        points[count] = vertex.point;
+        let part = nearest_part(&points, count + 1);
+        let is_nearer = part.point.length_squared() < self.part.point.length_squared();
+        if is_nearer {
+            self.vertices[count] = *vertex;
+            self.take(part);
+        }
+        is_nearer
     }
 
-    /// These vertices and `vertex`; of four those three with `vertex` whose triangle is nearest to the origin.
-    pub(super) fn grown_or_swapped(&self, vertex: Vertex) -> Self {
+    /// These vertices and `vertex`; of four those three with `vertex` whose triangle is nearest to the origin. The point is
+    /// not sought anew.
+    pub(super) fn grown_or_swapped(&self, vertex: &Vertex) -> Self {
         let mut grown = *self;
-        if self.count < 3 {
-            grown.vertices[self.count] = vertex;
-            grown.count += 1;
+        if self.part.count < 3 {
+            grown.vertices[self.part.count] = *vertex;
+            grown.part.count += 1;
             return grown;
         }
-        grown.vertices[3] = vertex;
-        let mut best = (f64::INFINITY, *self);
+        let p = [self.vertices[0].point, self.vertices[1].point, self.vertices[2].point, vertex.point];
+        let mut best = (f64::INFINITY, [0, 1, 2]);
         for members in [[0, 1, 3], [0, 2, 3], [1, 2, 3]] {
-            let candidate = grown.part(members, [0.0; 3]);
-            let distance = candidate.nearest().point().length();
-            if distance < best.0 {
-                best = (distance, candidate);
+            let distance_sq = triangle(&p, members).point.length_squared();
+            if distance_sq < best.0 {
+                best = (distance_sq, members);
             }
         }
-        best.1
+        grown.vertices[3] = *vertex;
+        grown.vertices = [best.1[0], best.1[1], best.1[2], 3].map(|member| grown.vertices[member]);
+        grown.part.count = 3;
+        grown
     }
 
-    /// How far inside a tetrahedron the origin surely lies; `None` if it may not or if this is no tetrahedron. The faces
-    /// of a sliver are known less well than its corners: what that may cost is taken off.
+    /// The part of these vertices that is nearest to the origin.
+    pub(super) fn nearest(mut self) -> Self {
+        self.take(nearest_part(&self.points(), self.part.count));
+        self
+    }
+
+    /// How far inside a tetrahedron the origin surely lies; `None` if it may not or if this is no tetrahedron.
     pub(super) fn margin(&self) -> Option<f64> {
-        let [a, b, c, d] = self.four()?;
-        let inner = |a: DVec3, b: DVec3, c: DVec3, apex: DVec3| {
-            let normal = (b - a).cross(c - a);
-            let blur = CROSS_BLUR * (b - a).length() * (c - a).length();
-            let height = normal.dot(apex - a);
-            if height.abs() <= blur * (apex - a).length() {
-                return 0.0;
+        if self.part.count < 4 { None } else { margin(&self.points()) }
+    }
+
+    fn points(&self) -> [DVec3; 4] {
+        [self.vertices[0].point, self.vertices[1].point, self.vertices[2].point, self.vertices[3].point]
+    }
+
+    fn take(&mut self, part: Part) {
+        // Members are in rising order, so that none is overwritten before it is moved.
+        for (slot, &member) in part.members[..part.count].iter().enumerate() {
+            if slot != member {
+                self.vertices[slot] = self.vertices[member];
             }
-            (-height.signum() * normal.dot(a) - blur * a.length()) / (normal.length() + blur)
-        };
-        let least = inner(a, b, c, d).min(inner(a, b, d, c)).min(inner(a, c, d, b)).min(inner(b, c, d, a));
-        (least > 0.0).then_some(least)
-    }
-
-    fn four(&self) -> Option<[DVec3; 4]> {
-        (self.count == 4).then(|| self.vertices.map(|vertex| vertex.point))
-    }
-
-    fn weighted(&self, of: impl Fn(&Vertex) -> DVec3) -> DVec3 {
-        self.vertices().iter().zip(self.weights).map(|(vertex, weight)| of(vertex) * weight).sum()
-    }
-
-    fn part<const N: usize>(&self, members: [usize; N], weights: [f64; N]) -> Self {
-        let mut part = *self;
-        for (slot, (member, weight)) in members.into_iter().zip(weights).enumerate() {
-            part.vertices[slot] = self.vertices[member];
-            part.weights[slot] = weight;
         }
-        part.count = N;
-        part
+        self.part = part;
     }
+}
 
-    /// The part of this simplex that is nearest to the origin.
-    pub(super) fn nearest(&self) -> Self {
-        match self.count {
-            1 => self.part([0], [1.0]),
-            2 => self.segment([0, 1]),
-            3 => self.triangle([0, 1, 2]),
-            _ => self.tetrahedron(),
+/// How far inside a tetrahedron the origin surely lies; `None` if it may not. The faces of a sliver are known less well than
+/// its corners: what that may cost is taken off.
+pub(super) fn margin([a, b, c, d]: &[DVec3; 4]) -> Option<f64> {
+    let inner = |a: DVec3, b: DVec3, c: DVec3, apex: DVec3| {
+        let normal = (b - a).cross(c - a);
+        let blur = CROSS_BLUR * (b - a).length() * (c - a).length();
+        let height = normal.dot(apex - a);
+        if height.abs() <= blur * (apex - a).length() {
+            return 0.0;
         }
+        (-height.signum() * normal.dot(a) - blur * a.length()) / (normal.length() + blur)
+    };
+    let (a, b, c, d) = (*a, *b, *c, *d);
+    let least = inner(a, b, c, d).min(inner(a, b, d, c)).min(inner(a, c, d, b)).min(inner(b, c, d, a));
+    (least > 0.0).then_some(least)
+}
+
+/// Members of a simplex, in rising order, with weights that sum to 1, and the point they make.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    members: [usize; 4],
+    weights: [f64; 4],
+    count: usize,
+    point: DVec3,
+}
+
+impl Part {
+    fn one(p: &[DVec3; 4], i: usize) -> Self {
+        Self { members: [i, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0], count: 1, point: p[i] }
     }
 
     fn nearer(self, other: Self) -> Self {
-        if other.point().length_squared() < self.point().length_squared() { other } else { self }
+        if other.point.length_squared() < self.point.length_squared() { other } else { self }
     }
+}
 
-    fn segment(&self, [i, j]: [usize; 2]) -> Self {
-        let (a, b) = (self.vertices[i].point, self.vertices[j].point);
-        let along = b - a;
-        let (to_b, from_a) = (b.dot(along), -a.dot(along));
-        let whole = along.length_squared();
-        if from_a > 0.0 && to_b > 0.0 && whole > 0.0 {
-            let weight = from_a / whole;
-            self.part([i, j], [1.0 - weight, weight])
-        } else {
-            self.part([i], [1.0]).nearer(self.part([j], [1.0]))
+fn nearest_part(p: &[DVec3; 4], count: usize) -> Part {
+    match count {
+        1 => Part::one(p, 0),
+        2 => segment(p, [0, 1]),
+        3 => triangle(p, [0, 1, 2]),
+        _ => tetrahedron(p),
+    }
+}
+
+fn segment(p: &[DVec3; 4], [i, j]: [usize; 2]) -> Part {
+    let (a, b) = (p[i], p[j]);
+    let along = b - a;
+    let (to_b, from_a) = (b.dot(along), -a.dot(along));
+    let whole = along.length_squared();
+    if from_a > 0.0 && to_b > 0.0 && whole > 0.0 {
+        let weight = from_a / whole;
+        let weights = [1.0 - weight, weight, 0.0, 0.0];
+        return Part { members: [i, j, 0, 0], weights, count: 2, point: a * weights[0] + b * weight };
+    }
+    Part::one(p, i).nearer(Part::one(p, j))
+}
+
+fn triangle(p: &[DVec3; 4], [i, j, k]: [usize; 3]) -> Part {
+    let [a, b, c] = [p[i], p[j], p[k]];
+    let normal = (b - a).cross(c - a);
+    let foot = normal * (normal.dot(a) / normal.length_squared());
+    let size = normal.abs();
+    // The coordinate plane in which the triangle is largest, with the order of its axes kept.
+    let (whole, flat) = if size.x >= size.y && size.x >= size.z {
+        (normal.x, [a, b, c].map(|q| [q.y - foot.y, q.z - foot.z]))
+    } else if size.y >= size.z {
+        (normal.y, [a, b, c].map(|q| [q.z - foot.z, q.x - foot.x]))
+    } else {
+        (normal.z, [a, b, c].map(|q| [q.x - foot.x, q.y - foot.y]))
+    };
+    let area = |q: [f64; 2], r: [f64; 2]| q[0] * r[1] - q[1] * r[0];
+    let areas = [area(flat[1], flat[2]), area(flat[2], flat[0]), area(flat[0], flat[1])];
+    let sign = whole.signum();
+    let inside = areas.map(|part| part * sign > 0.0);
+    if inside == [true; 3] && whole.is_normal() {
+        let sum = areas[0] + areas[1] + areas[2];
+        let [u, v, w] = areas.map(|part| part / sum);
+        return Part { members: [i, j, k, 0], weights: [u, v, w, 0.0], count: 3, point: a * u + b * v + c * w };
+    }
+    let mut best: Option<Part> = None;
+    for (side, is_inside) in [[j, k], [i, k], [i, j]].into_iter().zip(inside) {
+        if !is_inside {
+            let part = segment(p, side);
+            best = Some(best.map_or(part, |best| best.nearer(part)));
         }
     }
+    best.unwrap_or_else(|| segment(p, [i, j]))
+}
 
-    fn triangle(&self, [i, j, k]: [usize; 3]) -> Self {
-        let [a, b, c] = [i, j, k].map(|member| self.vertices[member].point);
-        let normal = (b - a).cross(c - a);
-        let foot = normal * (normal.dot(a) / normal.length_squared());
-        let size = normal.abs();
-        let (u, v) = if size.x >= size.y && size.x >= size.z {
-            (1, 2)
-        } else if size.y >= size.z {
-            (2, 0)
-        } else {
-            (0, 1)
-        };
-        let area = |p: DVec3, q: DVec3| (p[u] - foot[u]) * (q[v] - foot[v]) - (p[v] - foot[v]) * (q[u] - foot[u]);
-        let whole = if size.x >= size.y && size.x >= size.z {
-            normal.x
-        } else if size.y >= size.z {
-            normal.y
-        } else {
-            normal.z
-        };
-        let areas = [area(b, c), area(c, a), area(a, b)];
-        let inside = areas.map(|part| part * whole.signum() > 0.0);
-        if inside == [true; 3] && whole.is_normal() {
-            let sum: f64 = areas.iter().sum();
-            return self.part([i, j, k], areas.map(|part| part / sum));
-        }
-        let sides = [[j, k], [k, i], [i, j]];
-        let beyond = sides.into_iter().zip(inside).filter(|(_, is_inside)| !is_inside).map(|(side, _)| side);
-        beyond.map(|side| self.segment(side)).reduce(Self::nearer).unwrap_or_else(|| self.segment([i, j]))
+fn tetrahedron(p: &[DVec3; 4]) -> Part {
+    let [a, b, c, d] = *p;
+    let (ab, cd) = (a.cross(b), c.cross(d));
+    let volumes = [-b.dot(cd), a.dot(cd), -ab.dot(d), ab.dot(c)];
+    let whole = (volumes[0] + volumes[1]) + (volumes[2] + volumes[3]);
+    let sign = whole.signum();
+    let inside = volumes.map(|part| part * sign > 0.0);
+    if inside == [true; 4] && whole.is_normal() {
+        let weights = volumes.map(|part| part / whole);
+        let point = a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3];
+        return Part { members: [0, 1, 2, 3], weights, count: 4, point };
     }
+    let is_flat = !whole.is_normal();
+    let mut best: Option<Part> = None;
+    for (face, is_inside) in [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]].into_iter().zip(inside) {
+        if is_flat || !is_inside {
+            let part = triangle(p, face);
+            best = Some(best.map_or(part, |best| best.nearer(part)));
+        }
+    }
+    best.unwrap_or_else(|| triangle(p, [0, 1, 2]))
+}
 
-    fn tetrahedron(&self) -> Self {
-        let [a, b, c, d] = self.vertices.map(|vertex| vertex.point);
-        let volumes = [-b.cross(c).dot(d), a.cross(c).dot(d), -a.cross(b).dot(d), a.cross(b).dot(c)];
-        let whole: f64 = volumes.iter().sum();
-        let inside = volumes.map(|part| part * whole.signum() > 0.0);
-        if inside == [true; 4] && whole.is_normal() {
-            return self.part([0, 1, 2, 3], volumes.map(|part| part / whole));
-        }
-        let faces = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
-        let flat = !whole.is_normal();
-        let beyond = faces.into_iter().zip(inside).filter(|(_, is_inside)| flat || !is_inside).map(|(face, _)| face);
-        beyond.map(|face| self.triangle(face)).reduce(Self::nearer).unwrap_or_else(|| self.triangle([0, 1, 2]))
-    }
+/// The point of a triangle that is nearest to the origin.
+pub(super) fn nearest_of_triangle(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+    triangle(&[a, b, c, a], [0, 1, 2]).point
 }

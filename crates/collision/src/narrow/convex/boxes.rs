@@ -1,0 +1,160 @@
+//! The signed distance of two boxes along their fifteen axes. A segment and a point are boxes too, thin ones.
+//!
+//! # Method
+//! In the first box's axes, its three face normals, the second's three, and the nine products of their edges. A product is
+//! first measured by the short formulas that hold for exactly perpendicular axes; only one that may win is made a unit
+//! vector and measured in full, so that axes of nearly parallel edges, which say little, can claim nothing.
+//!
+//! # Source
+//! Gottschalk, Lin, Manocha, "OBBTree" (1996), section 5. What was changed: edge axes are normalised before anything is
+//! projected on them (two cubes tilted by 1e-16 lose 0.76 of their depth otherwise).
+//!
+//! # Limits
+//! A positive result is a lower bound of the distance only: what is nearest may be a corner.
+
+use glam::{DMat3, DVec3};
+
+use super::{
+    axes::Depth,
+    body::{Body, Corner},
+    frame::Pair,
+};
+use crate::{
+    answer::Stop,
+    shape::Core,
+    tolerance::{AXIS_LEAN, PAIR_ROUNDING},
+};
+
+/// A pair of boxes in the first one's axes.
+struct Boxes {
+    half_a: DVec3,
+    half_b: DVec3,
+    /// Columns are the second box's axes.
+    turn: DMat3,
+    /// Of the second box's middle.
+    position: DVec3,
+}
+
+/// The axis of greatest separation so far. A face is kept unless an edge pair is better by more than rounding.
+struct Best {
+    separation: f64,
+    highest: f64,
+    /// Unit, from `b` to `a`.
+    normal: DVec3,
+    edges: Option<[usize; 2]>,
+    tested: u32,
+}
+
+/// Measures along all axes until one parts the boxes by more than `enough`; `None` if one of the two is no box.
+pub(super) fn depth(pair: &Pair<'_>, enough: f64) -> Option<Depth> {
+    let boxes = Boxes {
+        half_a: half_extents(&pair.a)?,
+        half_b: half_extents(&pair.b)?,
+        turn: pair.b.rotation,
+        position: pair.b.position,
+    };
+    let mut best =
+        Best { separation: f64::NEG_INFINITY, highest: f64::NEG_INFINITY, normal: DVec3::X, edges: None, tested: 0 };
+    boxes.faces(&mut best);
+    if best.separation <= enough {
+        boxes.edges(&mut best, enough);
+    }
+    Some(Depth {
+        best: -best.separation,
+        lower: -best.highest - AXIS_LEAN,
+        upper: -best.separation + PAIR_ROUNDING,
+        normal: best.normal,
+        edges: best
+            .edges
+            .map(|[on_a, on_b]| [edge_corners(&pair.a, on_a, -best.normal), edge_corners(&pair.b, on_b, best.normal)]),
+        iterations: best.tested,
+        stop: Stop::Converged,
+    })
+}
+
+impl Boxes {
+    fn faces(&self, best: &mut Best) {
+        let (turn, position) = (&self.turn, self.position);
+        let absolute = DMat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs());
+        let on_a = position.abs() - self.half_a - absolute * self.half_b;
+        for (axis, normal) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
+            best.offer_face(on_a[axis], normal, position[axis]);
+        }
+        for (axis, normal) in [turn.x_axis, turn.y_axis, turn.z_axis].into_iter().enumerate() {
+            let apart = normal.dot(position);
+            let separation = apart.abs() - self.half_b[axis] - normal.abs().dot(self.half_a);
+            best.offer_face(separation, normal, apart);
+        }
+    }
+
+    fn edges(&self, best: &mut Best, enough: f64) {
+        let (half_a, half_b, p) = (self.half_a, self.half_b, self.position);
+        let columns = [self.turn.x_axis, self.turn.y_axis, self.turn.z_axis];
+        for (on_b, along) in columns.iter().enumerate() {
+            let (next, last) = (columns[(on_b + 1) % 3], columns[(on_b + 2) % 3]);
+            let (half_next, half_last) = (half_b[(on_b + 1) % 3], half_b[(on_b + 2) % 3]);
+            let across = *along;
+            // The product with x, y and z, and how far the boxes reach along it, all times its length.
+            let reach_b = last.abs() * half_next + next.abs() * half_last;
+            let axes = [
+                (0, DVec3::new(0.0, -across.z, across.y)),
+                (1, DVec3::new(across.z, 0.0, -across.x)),
+                (2, DVec3::new(-across.y, across.x, 0.0)),
+            ];
+            for (on_a, axis) in axes {
+                let length = axis.length();
+                let quick = axis.dot(p).abs() - axis.abs().dot(half_a) - reach_b[on_a];
+                if quick + 2.0 * PAIR_ROUNDING < best.separation * length || length <= 0.0 {
+                    continue;
+                }
+                self.measure_edges(best, axis / length, [on_a, on_b]);
+                if best.separation > enough {
+                    return;
+                }
+            }
+        }
+    }
+
+    fn measure_edges(&self, best: &mut Best, normal: DVec3, edges: [usize; 2]) {
+        let turn = &self.turn;
+        let on_b = DVec3::new(turn.x_axis.dot(normal), turn.y_axis.dot(normal), turn.z_axis.dot(normal));
+        let apart = normal.dot(self.position);
+        let separation = apart.abs() - normal.abs().dot(self.half_a) - on_b.abs().dot(self.half_b);
+        best.tested += 1;
+        best.highest = best.highest.max(separation);
+        if separation > best.separation + PAIR_ROUNDING {
+            (best.separation, best.edges) = (separation, Some(edges));
+            best.normal = if apart > 0.0 { -normal } else { normal };
+        }
+    }
+}
+
+impl Best {
+    fn offer_face(&mut self, separation: f64, normal: DVec3, apart: f64) {
+        self.tested += 1;
+        self.highest = self.highest.max(separation);
+        if separation > self.separation {
+            (self.separation, self.edges) = (separation, None);
+            self.normal = if apart > 0.0 { -normal } else { normal };
+        }
+    }
+}
+
+/// Half extents in the frame of what is a box, a segment or a point.
+fn half_extents(body: &Body<'_>) -> Option<DVec3> {
+    match body.core {
+        Core::Cuboid { half_extents } => Some(*half_extents * body.scale),
+        Core::Segment { half_height } => Some(DVec3::new(0.0, half_height * body.scale, 0.0)),
+        Core::Point => Some(DVec3::ZERO),
+        Core::Hull(_) | Core::Triangle(_) | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => None,
+    }
+}
+
+/// The ends of the edge along an axis that lies farthest along a direction.
+fn edge_corners(body: &Body<'_>, axis: usize, direction: DVec3) -> [Corner; 2] {
+    if !matches!(body.core, Core::Cuboid { .. }) {
+        return [body.corner(0), body.corner(u32::from(matches!(body.core, Core::Segment { .. })))];
+    }
+    let index = body.support(direction).index;
+    [body.corner(index & !(1 << axis)), body.corner(index | 1 << axis)]
+}
