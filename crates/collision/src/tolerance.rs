@@ -138,3 +138,9 @@ pub const FACE_HEIGHT: f64 = 16.0 * ROUNDING;
 /// where it ends within 4 unless slivers are in the way. Smaller, and exact answers are sought twice; larger, and depths
 /// are known to less than the arithmetic can tell. Pinned by the coverage runner (widths of depths).
 pub const DEPTH_WIDTH: f64 = 16.0 * PAIR_ROUNDING;
+
+/// How far two heights `v · d`, or the height of a difference of corners, may be from the exact ones, as a part of what
+/// their three products could sum up to: three roundings each for two heights, or one for the difference, one for the
+/// product and two for the sum; 8 are taken. Larger: more walks over a hull end with exact signs. Smaller: a walk might
+/// end below the highest corner. Test: `convex/support.rs`, bends and nearly equal corners.
+pub const CLIMB_DOUBT: f64 = 8.0 * ROUNDING;

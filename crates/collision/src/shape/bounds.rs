@@ -57,7 +57,7 @@ impl Convex {
             Core::Point => 0.0,
             Core::Segment { half_height } => *half_height,
             Core::Cuboid { half_extents } => length_up(*half_extents),
-            Core::Hull(hull) => farthest(hull.vertices()),
+            Core::Hull(hull) => hull.reach_up(),
             Core::Triangle(corners) => farthest(corners),
             Core::Cylinder { half_height, radius } | Core::Cone { half_height, radius } => {
                 length_up(DVec3::new(*radius, *half_height, 0.0))
@@ -72,7 +72,7 @@ impl Convex {
             Core::Point => Aabb::new(DVec3::ZERO, DVec3::ZERO),
             Core::Segment { half_height } => symmetric(DVec3::new(0.0, *half_height, 0.0)),
             Core::Cuboid { half_extents } => symmetric(*half_extents),
-            Core::Hull(hull) => around(hull.vertices()),
+            Core::Hull(hull) => hull.bounds(),
             Core::Triangle(corners) => around(corners),
             Core::Cylinder { half_height, radius } | Core::Cone { half_height, radius } => {
                 symmetric(DVec3::new(*radius, *half_height, *radius))
@@ -145,11 +145,13 @@ fn absolute(turn: &DMat3) -> DMat3 {
     DMat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs())
 }
 
-fn farthest(points: &[DVec3]) -> f64 {
+/// The largest distance of a point from the local origin, rounded up.
+pub(super) fn farthest(points: &[DVec3]) -> f64 {
     points.iter().map(|point| length_up(*point)).fold(0.0, f64::max)
 }
 
-fn around(points: &[DVec3]) -> Aabb {
+/// The box of points; exact.
+pub(super) fn around(points: &[DVec3]) -> Aabb {
     let nothing = Aabb::new(DVec3::INFINITY, DVec3::NEG_INFINITY);
     let found = points.iter().fold(nothing, |found, &point| found.union(Aabb::new(point, point)));
     Aabb::new(found.min + DVec3::ZERO, found.max + DVec3::ZERO)

@@ -70,7 +70,7 @@ impl Core {
             Self::Point => 0.0,
             Self::Segment { half_height } => *half_height,
             Self::Cuboid { half_extents } => half_extents.length(),
-            Self::Hull(hull) => farthest(hull.vertices()),
+            Self::Hull(hull) => hull.reach(),
             Self::Triangle(corners) => farthest(corners),
             Self::Cylinder { half_height, radius } | Self::Cone { half_height, radius } => {
                 (half_height * half_height + radius * radius).sqrt()

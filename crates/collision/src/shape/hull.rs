@@ -9,22 +9,46 @@ use std::sync::OnceLock;
 use glam::DVec3;
 
 use super::{
+    bounds::{around, farthest},
+    climb::Slopes,
+    farthest::Columns,
     quickhull,
     topology::{Edge, Face, Topology},
 };
+use crate::math::Aabb;
 
 /// The convex hull of points, which may be flat, straight or a single point.
 #[derive(Debug)]
 pub struct Hull {
     vertices: Vec<DVec3>,
+    columns: Columns,
+    reach: f64,
+    reach_up: f64,
+    center: DVec3,
+    bounds: Aabb,
     topology: OnceLock<Topology>,
+    slopes: OnceLock<Slopes>,
 }
 
 impl Hull {
+    /// With more vertices than this, walking over the edges finds a support sooner than looking at all of them.
+    /// Measured with random directions, see the module of the walk.
+    pub const CLIMB_ABOVE: usize = 64;
+
     /// The hull of `points`, at least one, all finite. The topology is built when a question first needs it.
     #[must_use]
     pub fn new(points: &[DVec3]) -> Self {
-        Self { vertices: quickhull::distinct(points), topology: OnceLock::new() }
+        let vertices = quickhull::distinct(points);
+        Self {
+            columns: Columns::new(&vertices),
+            reach: vertices.iter().map(|vertex| vertex.length_squared()).fold(0.0, f64::max).sqrt(),
+            reach_up: farthest(&vertices),
+            center: vertices.iter().sum::<DVec3>() / vertices.len() as f64,
+            bounds: around(&vertices),
+            vertices,
+            topology: OnceLock::new(),
+            slopes: OnceLock::new(),
+        }
     }
 
     /// The distinct points, in the order they were sent.
@@ -33,10 +57,73 @@ impl Hull {
         &self.vertices
     }
 
+    /// Largest distance of a vertex from the local origin, metres, to within a few roundings.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// The same, rounded up.
+    pub(super) fn reach_up(&self) -> f64 {
+        self.reach_up
+    }
+
+    /// The mean of the vertices: a point inside, to within rounding.
+    #[must_use]
+    pub fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// The local box, exact.
+    pub(super) fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// The vertex farthest along `direction`, by looking at all: the first of those of greatest `vertex · direction`
+    /// (`x·x + y·y + z·z` in this order). `direction` in the local frame, of any length; 0 if it is no number.
+    #[must_use]
+    #[inline]
+    pub fn farthest(&self, direction: DVec3) -> u32 {
+        self.columns.farthest(direction)
+    }
+
+    /// The vertex farthest along `direction`, as [`Hull::farthest`] for up to [`Hull::CLIMB_ABOVE`] vertices, beyond that
+    /// as [`Hull::climb`] from [`Hull::support_start`].
+    #[must_use]
+    pub fn support(&self, direction: DVec3) -> u32 {
+        if self.vertices.len() <= Self::CLIMB_ABOVE {
+            self.farthest(direction)
+        } else {
+            self.climb(direction, self.support_start(direction))
+        }
+    }
+
+    /// A corner of the hull from which a walk to the one farthest along `direction` is short.
+    #[must_use]
+    pub fn support_start(&self, direction: DVec3) -> u32 {
+        self.slopes().start(direction)
+    }
+
+    /// The corner farthest along `direction`, by walking from `start` over the edges: exactly a highest one of the
+    /// numbers as they are, of exactly equal ones that of least index, whatever the start. Its rounded height may be less
+    /// than that of [`Hull::farthest`] by 6 roundings of `reach · |direction|`, as may the true height of that one.
+    ///
+    /// `start` is any vertex; one that is no corner counts as [`Hull::support_start`]. Points on faces are never found.
+    /// Costs the edges on the way; the first call builds the topology.
+    #[must_use]
+    pub fn climb(&self, direction: DVec3, start: u32) -> u32 {
+        let found = self.slopes().climb(&self.vertices, self.reach, direction, start);
+        found.unwrap_or_else(|| self.farthest(direction))
+    }
+
     /// Its faces and edges: built on the first call, in O(n log n) for typical points.
     #[must_use]
     pub fn topology(&self) -> &Topology {
         self.topology.get_or_init(|| quickhull::topology(&self.vertices))
+    }
+
+    fn slopes(&self) -> &Slopes {
+        self.slopes.get_or_init(|| Slopes::new(&self.vertices, self.topology()))
     }
 
     /// Bytes it holds in memory now.
@@ -46,6 +133,8 @@ impl Hull {
             let corners: usize = topology.faces.iter().map(|face| face.vertices.len() * size_of::<u32>()).sum();
             corners + topology.faces.len() * size_of::<Face>() + topology.edges.len() * size_of::<Edge>()
         });
-        (size_of::<Self>() + self.vertices.len() * size_of::<DVec3>() + topology) as u64
+        let slopes = self.slopes.get().map_or(0, Slopes::memory_bytes);
+        let points = self.vertices.len() * size_of::<DVec3>() + self.columns.memory_bytes();
+        (size_of::<Self>() + points + topology + slopes) as u64
     }
 }

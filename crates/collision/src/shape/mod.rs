@@ -5,7 +5,9 @@
 
 mod adjacency;
 mod bounds;
+mod climb;
 mod convex;
+mod farthest;
 mod geometry;
 mod hull;
 mod identity;

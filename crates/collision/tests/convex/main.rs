@@ -5,3 +5,4 @@ mod extremes;
 mod hull;
 mod laws;
 mod random;
+mod support;
