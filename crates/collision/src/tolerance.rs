@@ -144,3 +144,8 @@ pub const DEPTH_WIDTH: f64 = 16.0 * PAIR_ROUNDING;
 /// product and two for the sum; 8 are taken. Larger: more walks over a hull end with exact signs. Smaller: a walk might
 /// end below the highest corner. Test: `convex/support.rs`, bends and nearly equal corners.
 pub const CLIMB_DOUBT: f64 = 8.0 * ROUNDING;
+
+/// How far the depth of a contact point may be from that of the two surfaces there: each of its two points lies on its
+/// surface to within a support value's error, and clipping and projecting add as much again. Smaller, and a point's interval
+/// might miss; larger, and it would be wider than need be. Pinned by `tests/convex/contact.rs`.
+pub const POINT_DEPTH: f64 = 4.0 * PAIR_ROUNDING;

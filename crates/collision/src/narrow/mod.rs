@@ -8,14 +8,16 @@ mod pieces;
 mod ray;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use convex::PlacedConvex;
 
+pub use convex::Warm;
 pub use ray::{Ray, RayTouch, RayTouches, raycast};
 
 use crate::{
     accuracy::Accuracy,
-    answer::{Certificate, Feature, Work},
+    answer::{Bound, Certificate, Feature, Work},
     math::Pose,
     shape::{Form, Geometry},
 };
@@ -64,8 +66,8 @@ pub struct Contact {
     pub normal_b_to_a: DVec3,
     /// The best value, metres; negative is a gap.
     pub depth: f64,
-    /// Where they touch: 1 to 4 points.
-    pub points: Vec<ContactPoint>,
+    /// Where they touch: 1 to 4 points, deepest first.
+    pub points: SmallVec<[ContactPoint; 4]>,
     /// The piece of `a`.
     pub feature_a: Feature,
     /// The piece of `b`.
@@ -83,8 +85,28 @@ pub struct ContactPoint {
     pub point_on_b: DVec3,
     /// Depth along the normal; negative is a gap.
     pub depth: f64,
+    /// Bounds of that depth: of how far apart the two surfaces are there, along the normal as it was returned.
+    pub bound: Bound,
     /// Names the pair of features; the same from tick to tick while they are the same.
     pub feature_pair: u32,
+}
+
+/// Contacts of all pairs of convex pieces, in order of pieces.
+pub type Contacts = SmallVec<[Contact; 1]>;
+
+/// How deep two placed geometries are in each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Depth {
+    /// The best value, metres; negative is a gap.
+    pub depth: f64,
+    /// Unit vector from `b` to `a`: moving `a` by `normal * depth` parts the two.
+    pub normal_b_to_a: DVec3,
+    /// Deepest point of `a` in `b`, world frame; across a gap the nearest.
+    pub point_on_a: DVec3,
+    /// Deepest point of `b` in `a`, world frame.
+    pub point_on_b: DVec3,
+    /// What the depth is worth.
+    pub certificate: Certificate,
 }
 
 /// The first touch of two moving geometries. `Miss` is never returned in it: that is `None`.
@@ -112,12 +134,49 @@ pub fn distance(a: Placed<'_>, b: Placed<'_>, limit: f64, accuracy: &Accuracy, w
     }
 }
 
+/// As [`distance`], beginning where the last question about this pair ended: see [`Warm`]. Meshes remember nothing.
+pub fn distance_warm(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    limit: f64,
+    accuracy: &Accuracy,
+    warm: &mut Warm,
+    work: &mut Work,
+) -> Option<Separation> {
+    match (a.as_convex(), b.as_convex()) {
+        (Some(a), Some(b)) => convex::distance_warm(a, b, limit, accuracy, warm, work),
+        _ => pieces::distance(a, b, limit, accuracy, work),
+    }
+}
+
 /// Whether `a` and `b` touch; the bound is that of the signed distance, often one-sided.
 pub fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::overlap(a, b, accuracy, work),
         _ => pieces::overlap(a, b, accuracy, work),
     }
+}
+
+/// Whether two convex geometries come within `margin` metres (at least 0) of each other; `None` if one is a mesh, whose
+/// answer is that of [`distance`] with `margin` for its limit. The work ends as soon as this is proved either way, and the
+/// bound, which is that of the signed distance, is as wide as it is then.
+///
+/// ```
+/// use collision::{DVec3, accuracy::Accuracy, answer::{Verdict, Work}, math::Pose, narrow, shape::Geometry};
+/// let ball = Geometry::sphere(1.0).unwrap();
+/// let here = narrow::Placed { geometry: &ball, pose: Pose::IDENTITY };
+/// let there = narrow::Placed { geometry: &ball, pose: Pose::at(DVec3::X * 3.0) };
+/// let within = |margin| narrow::within(here, there, margin, &Accuracy::default(), &mut Work::default()).unwrap();
+/// assert_eq!((within(0.9).verdict, within(1.1).verdict), (Verdict::Miss, Verdict::Hit));
+/// ```
+pub fn within(a: Placed<'_>, b: Placed<'_>, margin: f64, accuracy: &Accuracy, work: &mut Work) -> Option<Certificate> {
+    Some(convex::within(a.as_convex()?, b.as_convex()?, margin, accuracy, work))
+}
+
+/// How deep two convex geometries are in each other, without contact points. `None` if they are proved to be more than
+/// `max_gap` metres apart, or if one is a mesh: see [`penetration`].
+pub fn depth(a: Placed<'_>, b: Placed<'_>, max_gap: f64, accuracy: &Accuracy, work: &mut Work) -> Option<Depth> {
+    convex::depth(a.as_convex()?, b.as_convex()?, max_gap, accuracy, work)
 }
 
 /// Contacts of all pairs of convex pieces whose gap is not proved to be above `max_gap` metres, in order of pieces.
@@ -130,9 +189,27 @@ pub fn penetration(
     max_gap: f64,
     accuracy: &Accuracy,
     work: &mut Work,
-) -> Result<Vec<Contact>, NeedsDecomposition> {
+) -> Result<Contacts, NeedsDecomposition> {
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => Ok(convex::penetration(a, b, max_gap, accuracy, work).into_iter().collect()),
+        _ => pieces::penetration(a, b, max_gap, accuracy, work),
+    }
+}
+
+/// As [`penetration`], beginning where the last question about this pair ended: see [`Warm`]. Meshes remember nothing.
+///
+/// # Errors
+/// [`NeedsDecomposition`] if both are meshes.
+pub fn penetration_warm(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    max_gap: f64,
+    accuracy: &Accuracy,
+    warm: &mut Warm,
+    work: &mut Work,
+) -> Result<Contacts, NeedsDecomposition> {
+    match (a.as_convex(), b.as_convex()) {
+        (Some(a), Some(b)) => Ok(convex::penetration_warm(a, b, max_gap, accuracy, warm, work).into_iter().collect()),
         _ => pieces::penetration(a, b, max_gap, accuracy, work),
     }
 }

@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::{
     Filter, Found, Meter, QuestionError, ShapeId, Snapshot, Subject,
@@ -40,7 +41,7 @@ pub struct Contact {
     /// Metres; negative is a gap.
     pub depth: f64,
     /// Where they touch: `point_on_a` is on the subject, `point_on_b` on the shape.
-    pub points: Vec<ContactPoint>,
+    pub points: SmallVec<[ContactPoint; 4]>,
     /// The subject's piece.
     pub subject_feature: Feature,
     /// The shape's piece.

@@ -43,7 +43,7 @@ impl Body<'_> {
             Core::Cuboid { .. } => {
                 u32::from(local.x > 0.0) | u32::from(local.y > 0.0) << 1 | u32::from(local.z > 0.0) << 2
             }
-            Core::Hull(hull) => farthest(hull.vertices(), local),
+            Core::Hull(hull) => hull.support(local),
             Core::Triangle(corners) => farthest(corners, local),
             Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => {
                 return Corner { point: self.out(round_support(self.core, local)), index: 0 };
@@ -83,8 +83,8 @@ impl Body<'_> {
     /// A point inside the core.
     pub(super) fn center(&self) -> DVec3 {
         match self.core {
-            Core::Hull(hull) => self.out(mean(hull.vertices())),
-            Core::Triangle(corners) => self.out(mean(corners)),
+            Core::Hull(hull) => self.out(hull.center()),
+            Core::Triangle([a, b, c]) => self.out((*a + *b + *c) / 3.0),
             Core::Point
             | Core::Segment { .. }
             | Core::Cuboid { .. }
@@ -138,10 +138,6 @@ fn round_support(core: &Core, direction: DVec3) -> DVec3 {
 /// The point of a circle about y that is farthest along a direction; any if the direction is along y.
 fn on_circle(direction: DVec3, radius: f64) -> DVec3 {
     DVec3::new(direction.x, 0.0, direction.z).normalize_or(DVec3::X) * radius
-}
-
-fn mean(points: &[DVec3]) -> DVec3 {
-    points.iter().sum::<DVec3>() / points.len() as f64
 }
 
 fn farthest(points: &[DVec3], direction: DVec3) -> u32 {

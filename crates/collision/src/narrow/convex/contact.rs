@@ -4,11 +4,18 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use super::{PlacedConvex, depth, frame::Pair, manifold, order, touch};
+use super::{
+    PlacedConvex,
+    depth::{self, Ask, Touch},
+    frame::Pair,
+    manifold, order, touch,
+    warm::{Resting, Seed, Warm},
+};
 use crate::{
     accuracy::Accuracy,
-    answer::{Certificate, Feature, Verdict, Work},
-    narrow::{Contact, ContactPoint},
+    answer::{Bound, Certificate, Feature, Verdict, Work},
+    narrow::{Contact, ContactPoint, Depth},
+    tolerance::POINT_DEPTH,
 };
 
 /// The contact of two convex forms; `None` if they are proved to be more than `max_gap` metres apart.
@@ -19,59 +26,124 @@ pub(crate) fn penetration(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<Contact> {
-    if order::is_swapped(a, b) {
-        return penetration_in_order(b, a, max_gap, accuracy, work).map(Contact::swapped);
-    }
-    penetration_in_order(a, b, max_gap, accuracy, work)
+    let (first, second, is_swapped) = order::in_order(a, b);
+    let contact = Judged::new(first, second, max_gap, accuracy, &mut None, work)?.contact();
+    Some(if is_swapped { contact.swapped() } else { contact })
 }
 
-fn penetration_in_order(
+/// The same from what was remembered; the same question again has the same answer without any search.
+pub(crate) fn penetration_warm(
+    a: PlacedConvex<'_>,
+    b: PlacedConvex<'_>,
+    max_gap: f64,
+    accuracy: &Accuracy,
+    warm: &mut Warm,
+    work: &mut Work,
+) -> Option<Contact> {
+    let resting = Resting { poses: [a.pose, b.pose], max_gap, accuracy: *accuracy };
+    if let Some(known) = warm.contact_at(&resting) {
+        work.pairs_tested += 1;
+        return known.clone();
+    }
+    let (first, second, is_swapped) = order::in_order(a, b);
+    let judged = Judged::new(first, second, max_gap, accuracy, warm.seed(is_swapped), work);
+    let contact = judged.map(|judged| judged.contact());
+    let contact = if is_swapped { contact.map(Contact::swapped) } else { contact };
+    warm.rest(resting, contact.clone());
+    contact
+}
+
+/// The depth of two convex forms; `None` if they are proved to be more than `max_gap` metres apart.
+pub(crate) fn depth(
     a: PlacedConvex<'_>,
     b: PlacedConvex<'_>,
     max_gap: f64,
     accuracy: &Accuracy,
     work: &mut Work,
-) -> Option<Contact> {
-    let pair = Pair::new(a, b, 0.0);
-    let touch = depth::touch(&pair, &depth::Ask::of(&pair, max_gap, accuracy));
-    work.pairs_tested += 1;
-    work.iterations += touch.as_ref().map_or(1, |touch| u64::from(touch.iterations));
-    let mut touch = touch?;
-    let mut verdict = if touch.lower >= 0.0 {
-        Verdict::Hit
-    } else if touch.upper < 0.0 {
-        Verdict::Miss
-    } else {
-        Verdict::Undecided
-    };
-    if verdict == Verdict::Undecided
-        && let Some(sign) = touch::sign(a, b)
-    {
-        if sign == Ordering::Greater && max_gap <= 0.0 {
-            return None;
+) -> Option<Depth> {
+    let (first, second, is_swapped) = order::in_order(a, b);
+    let depth = Judged::new(first, second, max_gap, accuracy, &mut None, work)?.depth();
+    Some(if is_swapped { depth.swapped() } else { depth })
+}
+
+/// How a pair touches, and what that proves.
+struct Judged<'a> {
+    pair: Pair<'a>,
+    touch: Touch,
+    verdict: Verdict,
+}
+
+impl<'a> Judged<'a> {
+    fn new(
+        a: PlacedConvex<'a>,
+        b: PlacedConvex<'a>,
+        max_gap: f64,
+        accuracy: &Accuracy,
+        seed: &mut Option<Seed>,
+        work: &mut Work,
+    ) -> Option<Self> {
+        let pair = Pair::new(a, b, 0.0);
+        let touch = depth::touch(&pair, &Ask::of(&pair, max_gap, accuracy), seed);
+        work.pairs_tested += 1;
+        work.iterations += touch.as_ref().map_or(1, |touch| u64::from(touch.iterations));
+        let mut touch = touch?;
+        let mut verdict = if touch.lower >= 0.0 {
+            Verdict::Hit
+        } else if touch.upper < 0.0 {
+            Verdict::Miss
+        } else {
+            Verdict::Undecided
+        };
+        if verdict == Verdict::Undecided
+            && let Some(sign) = touch::sign(a, b)
+        {
+            if sign == Ordering::Greater && max_gap <= 0.0 {
+                return None;
+            }
+            verdict = touch.bounded_by(sign);
         }
-        verdict = touch.bounded_by(sign);
+        Some(Self { pair, touch, verdict })
     }
-    let points = manifold::points(&pair, &touch).into_iter().map(|point| ContactPoint {
-        point_on_a: pair.point_out(point.on_a),
-        point_on_b: pair.point_out(point.on_b),
-        depth: pair.length_out((point.on_b - point.on_a).dot(touch.normal)),
-        feature_pair: point.feature_pair,
-    });
-    Some(Contact {
-        normal_b_to_a: pair.direction_out(touch.normal),
-        depth: pair.length_out(touch.best),
-        points: points.collect(),
-        feature_a: Feature::default(),
-        feature_b: Feature::default(),
-        certificate: Certificate {
-            verdict,
-            bound: pair.bound_out(touch.lower, touch.upper),
-            method: touch.method,
-            stop: touch.stop,
-            iterations: touch.iterations,
-        },
-    })
+
+    fn contact(&self) -> Contact {
+        let Self { pair, touch, .. } = self;
+        let points = manifold::points(pair, touch).into_iter().map(|point| {
+            let depth = (point.on_b - point.on_a).dot(touch.normal);
+            ContactPoint {
+                point_on_a: pair.point_out(point.on_a),
+                point_on_b: pair.point_out(point.on_b),
+                depth: pair.length_out(depth),
+                bound: pair.bound_out(depth - POINT_DEPTH, depth + POINT_DEPTH),
+                feature_pair: point.feature_pair,
+            }
+        });
+        Contact {
+            normal_b_to_a: pair.direction_out(touch.normal),
+            depth: pair.length_out(touch.best),
+            points: points.collect(),
+            feature_a: Feature::default(),
+            feature_b: Feature::default(),
+            certificate: self.certificate(),
+        }
+    }
+
+    fn depth(&self) -> Depth {
+        let Self { pair, touch, .. } = self;
+        let (on_a, on_b) = manifold::deepest(pair, touch);
+        Depth {
+            depth: pair.length_out(touch.best),
+            normal_b_to_a: pair.direction_out(touch.normal),
+            point_on_a: pair.point_out(on_a),
+            point_on_b: pair.point_out(on_b),
+            certificate: self.certificate(),
+        }
+    }
+
+    fn certificate(&self) -> Certificate {
+        let Touch { lower, upper, method, stop, iterations, .. } = self.touch;
+        let Bound { lower, upper } = self.pair.bound_out(lower, upper);
+        Certificate { verdict: self.verdict, bound: Bound::new(lower, upper), method, stop, iterations }
+    }
 }
 
 impl Contact {
@@ -84,5 +156,17 @@ impl Contact {
             point.feature_pair = point.feature_pair.rotate_left(16);
         }
         self
+    }
+}
+
+impl Depth {
+    /// The same depth with the arguments swapped.
+    fn swapped(self) -> Self {
+        Self {
+            normal_b_to_a: DVec3::ZERO - self.normal_b_to_a,
+            point_on_a: self.point_on_b,
+            point_on_b: self.point_on_a,
+            ..self
+        }
     }
 }

@@ -17,6 +17,7 @@ use super::{
     frame::Pair,
     gjk::{self, Gap},
     inscribed,
+    warm::Seed,
 };
 use crate::{
     accuracy::Accuracy,
@@ -68,7 +69,7 @@ impl Ask {
 }
 
 /// Depth and normal; `None` if the gap is proved to be above `max_gap`.
-pub(super) fn touch(pair: &Pair<'_>, ask: &Ask) -> Option<Touch> {
+pub(super) fn touch(pair: &Pair<'_>, ask: &Ask, seed: &mut Option<Seed>) -> Option<Touch> {
     let radius = pair.radius();
     if radius <= 0.0
         && let Some(depth) = boxes::depth(pair, ask.max_gap + PAIR_ROUNDING)
@@ -80,7 +81,7 @@ pub(super) fn touch(pair: &Pair<'_>, ask: &Ask) -> Option<Touch> {
             return Some(Touch::by_axes(depth, 0.0));
         }
     }
-    let gap = gjk::gap(pair, ask.budget, |lower, _| lower - radius > ask.max_gap);
+    let gap = gjk::gap_warm(pair, seed, ask.budget, |lower, _| lower - radius > ask.max_gap);
     touch_from(pair, &gap, ask)
 }
 

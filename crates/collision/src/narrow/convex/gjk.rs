@@ -58,12 +58,19 @@ pub(super) fn gap(pair: &Pair<'_>, budget: u32, is_enough: impl Fn(f64, f64) -> 
     gap_from(pair, simplex, budget, is_enough)
 }
 
-/// The same from what an earlier question about the pair found; a cold start where that is of no use.
-pub(super) fn gap_warm(pair: &Pair<'_>, seed: &Seed, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Gap {
-    match seed.simplex(pair) {
+/// The same from what an earlier question about the pair found, which what is found now takes the place of.
+pub(super) fn gap_warm(
+    pair: &Pair<'_>,
+    seed: &mut Option<Seed>,
+    budget: u32,
+    is_enough: impl Fn(f64, f64) -> bool,
+) -> Gap {
+    let gap = match seed.and_then(|seed| seed.simplex(pair)) {
         Some(simplex) => gap_from(pair, simplex, budget, is_enough),
         None => gap(pair, budget, is_enough),
-    }
+    };
+    *seed = Some(Seed::of(&gap));
+    gap
 }
 
 fn gap_from(pair: &Pair<'_>, simplex: Simplex, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Gap {

@@ -9,6 +9,7 @@
 //! Clipping: Sutherland, Hodgman (1974). Choice of four: deepest, farthest from it, largest triangle, largest addition.
 
 use glam::DVec3;
+use smallvec::{SmallVec, smallvec};
 
 use super::{
     body::{Body, Corner},
@@ -31,15 +32,19 @@ struct Clipped {
     name: u16,
 }
 
+type Corners = SmallVec<[Corner; 8]>;
+type Polygon = SmallVec<[Clipped; 12]>;
+type Points = SmallVec<[Point; 8]>;
+
 /// A core's face, edge or corner that looks along a direction.
 struct Facing {
-    corners: Vec<Corner>,
+    corners: Corners,
     /// Whether the corners lie flat across the direction.
     is_flat: bool,
 }
 
 /// The points where two forms touch, deepest first; at least one, at most four.
-pub(super) fn points(pair: &Pair<'_>, touch: &Touch) -> Vec<Point> {
+pub(super) fn points(pair: &Pair<'_>, touch: &Touch) -> Points {
     let facing_a = facing(&pair.a, -touch.normal);
     let facing_b = facing(&pair.b, touch.normal);
     let kept = if facing_a.is_reference_for(&facing_b) {
@@ -47,15 +52,37 @@ pub(super) fn points(pair: &Pair<'_>, touch: &Touch) -> Vec<Point> {
     } else if facing_b.is_reference_for(&facing_a) {
         clip(&facing_b, &facing_a, touch.normal, Side::B)
     } else {
-        Vec::new()
+        SmallVec::new()
     };
-    let kept = if kept.is_empty() { vec![single(touch, &facing_a, &facing_b)] } else { four(kept, touch.normal) };
+    let kept =
+        if kept.is_empty() { smallvec![single(pair, touch, &facing_a, &facing_b)] } else { four(kept, touch.normal) };
     let grown = kept.into_iter().map(|point| Point {
         on_a: point.on_a - touch.normal * pair.a.radius,
         on_b: point.on_b + touch.normal * pair.b.radius,
         ..point
     });
     grown.collect()
+}
+
+/// Where two forms are deepest in each other, or nearest: on the surfaces of the rounded forms, in the pair's frame.
+pub(super) fn deepest(pair: &Pair<'_>, touch: &Touch) -> (DVec3, DVec3) {
+    let is_face_of_a = || facing(&pair.a, -touch.normal).is_flat_face();
+    let (on_a, on_b) = on_cores(pair, touch, is_face_of_a);
+    (on_a - touch.normal * pair.a.radius, on_b + touch.normal * pair.b.radius)
+}
+
+/// The same on the cores: known nearest points, the crossing of two edges, or a corner of one and the point across from it on
+/// the face of the other.
+fn on_cores(pair: &Pair<'_>, touch: &Touch, is_face_of_a: impl FnOnce() -> bool) -> (DVec3, DVec3) {
+    if let Some(witnesses) = touch.witnesses {
+        return witnesses;
+    }
+    if let Some([on_a, on_b]) = touch.edges {
+        return nearest_of_lines(on_a, on_b);
+    }
+    let (on_a, on_b) = (pair.a.support(-touch.normal).point, pair.b.support(touch.normal).point);
+    let across = touch.normal * touch.normal.dot(on_b - on_a);
+    if is_face_of_a() { (on_b - across, on_b) } else { (on_a, on_a + across) }
 }
 
 /// Which form the reference feature belongs to.
@@ -66,6 +93,10 @@ enum Side {
 }
 
 impl Facing {
+    fn is_flat_face(&self) -> bool {
+        self.is_flat && self.corners.len() > 2
+    }
+
     /// A flat face can be clipped against; a flat edge only by another flat edge beside it.
     fn is_reference_for(&self, other: &Self) -> bool {
         if !self.is_flat || self.corners.len() < 2 {
@@ -82,8 +113,8 @@ impl Facing {
 }
 
 /// The part of `incident` that lies over `reference`, paired with its projection.
-fn clip(reference: &Facing, incident: &Facing, normal: DVec3, side: Side) -> Vec<Point> {
-    let mut polygon: Vec<Clipped> =
+fn clip(reference: &Facing, incident: &Facing, normal: DVec3, side: Side) -> Points {
+    let mut polygon: Polygon =
         incident.corners.iter().map(|corner| Clipped { point: corner.point, name: short(corner.index) }).collect();
     let corners = &reference.corners;
     let middle = corners.iter().map(|corner| corner.point).sum::<DVec3>() / corners.len() as f64;
@@ -112,9 +143,9 @@ fn clip(reference: &Facing, incident: &Facing, normal: DVec3, side: Side) -> Vec
 }
 
 /// Keeps what lies behind the plane through `base` with normal `outward`.
-fn cut(polygon: &[Clipped], base: DVec3, outward: DVec3, name: u16) -> Vec<Clipped> {
+fn cut(polygon: &[Clipped], base: DVec3, outward: DVec3, name: u16) -> Polygon {
     let height = |clipped: &Clipped| outward.dot(clipped.point - base);
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    let mut kept = SmallVec::with_capacity(polygon.len() + 1);
     for (i, current) in polygon.iter().enumerate() {
         let next = &polygon[(i + 1) % polygon.len()];
         let (here, there) = (height(current), height(next));
@@ -142,9 +173,9 @@ fn crossing(from: u16, to: u16, cut_by: u16) -> u16 {
 }
 
 /// At most four points that span the touch best, deepest first.
-fn four(mut candidates: Vec<Point>, normal: DVec3) -> Vec<Point> {
+fn four(mut candidates: Points, normal: DVec3) -> Points {
     let depth = |point: &Point| (point.on_b - point.on_a).dot(normal);
-    let mut chosen: Vec<Point> = Vec::with_capacity(4);
+    let mut chosen: Points = SmallVec::with_capacity(4);
     while chosen.len() < 4 && !candidates.is_empty() {
         let gain = |point: &Point| match chosen.as_slice() {
             [] => depth(point),
@@ -175,20 +206,9 @@ fn area_sign(p: &Point, q: &Point, r: &Point, normal: DVec3) -> f64 {
 }
 
 /// The one point of a touch that is no flat one.
-fn single(touch: &Touch, facing_a: &Facing, facing_b: &Facing) -> Point {
+fn single(pair: &Pair<'_>, touch: &Touch, facing_a: &Facing, facing_b: &Facing) -> Point {
     let feature_pair = u32::from(short(facing_a.corners[0].index)) << 16 | u32::from(short(facing_b.corners[0].index));
-    let (on_a, on_b) = match (touch.witnesses, touch.edges) {
-        (Some(witnesses), _) => witnesses,
-        (None, Some([on_a, on_b])) => nearest_of_lines(on_a, on_b),
-        (None, None) if facing_b.corners.len() > 1 => {
-            let corner = facing_a.corners[0].point;
-            (corner, corner - touch.normal * touch.normal.dot(corner - facing_b.corners[0].point))
-        }
-        (None, None) => {
-            let corner = facing_b.corners[0].point;
-            (corner - touch.normal * touch.normal.dot(corner - facing_a.corners[0].point), corner)
-        }
-    };
+    let (on_a, on_b) = on_cores(pair, touch, || facing_a.is_flat_face());
     Point { on_a, on_b, feature_pair }
 }
 
@@ -212,17 +232,17 @@ fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
     let corner = body.support(direction);
     match body.core {
         Core::Point | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => {
-            Facing { corners: vec![corner], is_flat: false }
+            Facing { corners: smallvec![corner], is_flat: false }
         }
         Core::Segment { .. } => {
             let is_flat = body.turn(DVec3::Y).dot(direction).abs() <= FLAT_CONTACT_SINE;
-            let corners = if is_flat { vec![body.corner(0), body.corner(1)] } else { vec![corner] };
+            let corners = if is_flat { smallvec![body.corner(0), body.corner(1)] } else { smallvec![corner] };
             Facing { corners, is_flat }
         }
         Core::Cuboid { .. } => cuboid_face(body, direction),
-        Core::Hull(_) => hull_face(body, direction).unwrap_or(Facing { corners: vec![corner], is_flat: false }),
+        Core::Hull(_) => hull_face(body, direction).unwrap_or(Facing { corners: smallvec![corner], is_flat: false }),
         Core::Triangle(_) => {
-            let corners: Vec<Corner> = (0..3).map(|index| body.corner(index)).collect();
+            let corners: Corners = (0..3).map(|index| body.corner(index)).collect();
             let [a, b, c] = [0, 1, 2].map(|i: usize| corners[i].point);
             let normal = (b - a).cross(c - a).normalize_or_zero();
             Facing { is_flat: normal.cross(direction).length() <= FLAT_CONTACT_SINE, corners }
@@ -242,7 +262,8 @@ fn cuboid_face(body: &Body<'_>, direction: DVec3) -> Facing {
     };
     let high = u32::from(local[axis] > 0.0) << axis;
     let (second, third) = (1u32 << ((axis + 1) % 3), 1u32 << ((axis + 2) % 3));
-    let corners = [0, second, second | third, third].map(|rest| body.corner(high | rest)).to_vec();
+    let corners = [0, second, second | third, third].map(|rest| body.corner(high | rest));
+    let corners = Corners::from_slice(&corners);
     let mut lean = local;
     lean[axis] = 0.0;
     Facing { corners, is_flat: lean.length() <= FLAT_CONTACT_SINE }

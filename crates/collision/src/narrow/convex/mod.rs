@@ -26,9 +26,11 @@ mod warm;
 
 use crate::{math::Pose, shape::Convex};
 
-pub(crate) use contact::penetration;
+pub use warm::Warm;
+
+pub(crate) use contact::{depth, penetration, penetration_warm};
 pub(crate) use impact::linear_impact;
-pub(crate) use separation::{distance, overlap};
+pub(crate) use separation::{distance, distance_warm, overlap, within};
 
 /// A convex form at a pose.
 #[derive(Clone, Copy, Debug)]

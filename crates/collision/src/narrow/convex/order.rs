@@ -8,6 +8,11 @@ use glam::DVec3;
 use super::PlacedConvex;
 use crate::{math::Pose, shape::Core};
 
+/// The two in their order, and whether they were swapped for it.
+pub(super) fn in_order<'a>(a: PlacedConvex<'a>, b: PlacedConvex<'a>) -> (PlacedConvex<'a>, PlacedConvex<'a>, bool) {
+    if is_swapped(a, b) { (b, a, true) } else { (a, b, false) }
+}
+
 /// Whether `b` goes before `a`.
 pub(super) fn is_swapped(a: PlacedConvex<'_>, b: PlacedConvex<'_>) -> bool {
     let order = kind(&a.convex.core)

@@ -9,6 +9,7 @@ use super::{
     frame::Pair,
     gjk::{self, Gap},
     order, touch,
+    warm::{Seed, Warm},
 };
 use crate::{
     accuracy::Accuracy,
@@ -25,26 +26,46 @@ pub(crate) fn distance(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<Separation> {
-    if order::is_swapped(a, b) {
-        return distance_in_order(b, a, limit, accuracy, work).map(Separation::swapped);
-    }
-    distance_in_order(a, b, limit, accuracy, work)
+    let (first, second, is_swapped) = order::in_order(a, b);
+    let found = distance_in_order(first, second, limit, accuracy, &mut None, work);
+    if is_swapped { found.map(Separation::swapped) } else { found }
+}
+
+/// The same from what was remembered.
+pub(crate) fn distance_warm(
+    a: PlacedConvex<'_>,
+    b: PlacedConvex<'_>,
+    limit: f64,
+    accuracy: &Accuracy,
+    warm: &mut Warm,
+    work: &mut Work,
+) -> Option<Separation> {
+    let (first, second, is_swapped) = order::in_order(a, b);
+    let found = distance_in_order(first, second, limit, accuracy, warm.seed(is_swapped), work);
+    if is_swapped { found.map(Separation::swapped) } else { found }
 }
 
 /// Whether two convex forms touch; the bound is that of the signed distance.
 pub(crate) fn overlap(a: PlacedConvex<'_>, b: PlacedConvex<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
-    let (a, b) = if order::is_swapped(a, b) { (b, a) } else { (a, b) };
+    let (a, b, _) = order::in_order(a, b);
     let pair = Pair::new(a, b, 0.0);
     let signed = signed(&pair, accuracy.budget).or_exactly(a, b);
-    work.pairs_tested += 1;
-    work.iterations += u64::from(signed.iterations);
-    Certificate {
-        verdict: signed.verdict,
-        bound: pair.bound_out(signed.lower, signed.upper),
-        method: signed.method,
-        stop: if signed.verdict == Verdict::Undecided { signed.stop } else { Stop::Tolerance },
-        iterations: signed.iterations,
-    }
+    signed.certificate(&pair, 0.0, work)
+}
+
+/// Whether two convex forms come within `margin` metres of each other.
+pub(crate) fn within(
+    a: PlacedConvex<'_>,
+    b: PlacedConvex<'_>,
+    margin: f64,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Certificate {
+    let (a, b, _) = order::in_order(a, b);
+    let mut pair = Pair::new(a, b, margin);
+    let margin = pair.length_in(margin);
+    pair.a.radius += margin;
+    signed(&pair, accuracy.budget).certificate(&pair, margin, work)
 }
 
 /// Bounds of the signed distance of two rounded cores, in the pair's frame.
@@ -68,6 +89,19 @@ impl Signed {
             Verdict::Undecided
         };
         Self { lower, upper, verdict, method, stop, iterations }
+    }
+
+    /// What was proved of forms one of which was grown by `margin`, in the frame.
+    fn certificate(&self, pair: &Pair<'_>, margin: f64, work: &mut Work) -> Certificate {
+        work.pairs_tested += 1;
+        work.iterations += u64::from(self.iterations);
+        Certificate {
+            verdict: self.verdict,
+            bound: pair.bound_out(self.lower + margin, self.upper + margin),
+            method: self.method,
+            stop: if self.verdict == Verdict::Undecided { self.stop } else { Stop::Tolerance },
+            iterations: self.iterations,
+        }
     }
 
     /// The same, and where the verdict is open, what the exact sign of forms that are not turned proves.
@@ -120,13 +154,14 @@ fn distance_in_order(
     b: PlacedConvex<'_>,
     limit: f64,
     accuracy: &Accuracy,
+    seed: &mut Option<Seed>,
     work: &mut Work,
 ) -> Option<Separation> {
     let pair = Pair::new(a, b, 0.0);
     let radius = pair.radius();
     let limit_in = pair.length_in(limit);
     let widest = pair.length_in(accuracy.max_error);
-    let gap = gjk::gap(&pair, accuracy.budget, |lower, upper| {
+    let gap = gjk::gap_warm(&pair, seed, accuracy.budget, |lower, upper| {
         let width = upper.max(radius) - lower.max(radius);
         lower - radius > limit_in || width <= widest || width <= accuracy.max_error_relative * (lower - radius)
     });

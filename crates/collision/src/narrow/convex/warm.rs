@@ -17,6 +17,48 @@ use super::{
     gjk::{self, Gap},
     simplex::{Simplex, Vertex},
 };
+use crate::{accuracy::Accuracy, math::Pose, narrow::Contact};
+
+/// What a pair of forms remembers: keep one for each pair of shapes, and drop it when a form of the pair changes. A new one
+/// knows nothing, and answers are then those of the cold question.
+///
+/// Poses may change as they like. Where they have not, the contact is returned as it was, to the last bit; where they have,
+/// the search starts from the features that were nearest, and its interval is as certain as a cold one.
+#[derive(Clone, Debug, Default)]
+pub struct Warm {
+    seed: Option<Seed>,
+    /// The order of the arguments in which the seed was found.
+    is_swapped: bool,
+    contact: Option<(Resting, Option<Contact>)>,
+}
+
+/// A question about a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Resting {
+    pub(super) poses: [Pose; 2],
+    pub(super) max_gap: f64,
+    pub(super) accuracy: Accuracy,
+}
+
+impl Warm {
+    /// What was found for the very same question; `None` if that was another.
+    pub(super) fn contact_at(&self, question: &Resting) -> Option<&Option<Contact>> {
+        self.contact.as_ref().filter(|(asked, _)| asked == question).map(|(_, contact)| contact)
+    }
+
+    pub(super) fn rest(&mut self, question: Resting, contact: Option<Contact>) {
+        self.contact = Some((question, contact));
+    }
+
+    /// Where to begin, and where to leave what was found; nothing if the arguments go in another order now.
+    pub(super) fn seed(&mut self, is_swapped: bool) -> &mut Option<Seed> {
+        if self.is_swapped != is_swapped {
+            self.seed = None;
+            self.is_swapped = is_swapped;
+        }
+        &mut self.seed
+    }
+}
 
 /// Where a search begins.
 #[derive(Clone, Copy, Debug)]

@@ -8,7 +8,7 @@ use crate::{
     answer::{Bound, Certificate, Method, Stop, Verdict, Work},
     broad::Tree,
     narrow::{
-        Contact, NeedsDecomposition, Placed,
+        Contacts, NeedsDecomposition, Placed,
         convex::{self, PlacedConvex},
     },
 };
@@ -100,8 +100,8 @@ pub(in crate::narrow) fn penetration(
     max_gap: f64,
     accuracy: &Accuracy,
     work: &mut Work,
-) -> Result<Vec<Contact>, NeedsDecomposition> {
-    let mut contacts = Vec::new();
+) -> Result<Contacts, NeedsDecomposition> {
+    let mut contacts = Contacts::new();
     match (Side::of(a), Side::of(b)) {
         (Side::Convex(a), Side::Convex(b)) => {
             return Ok(convex::penetration(a, b, max_gap, accuracy, work).into_iter().collect());
