@@ -26,11 +26,21 @@ pub(super) struct Body<'a> {
     pub(super) scale: f64,
 }
 
-/// A corner of a core, in the pair's frame, and its number within the core (0 on round cores).
+/// A corner of a core, in the pair's frame, and its number within the core, or [`Corner::ON_ROUND`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corner {
     pub(super) point: DVec3,
     pub(super) index: u32,
+}
+
+impl Corner {
+    /// The number of points of round cores, which have none.
+    pub(super) const ON_ROUND: u32 = u32::MAX;
+
+    /// Whether both are one corner of the same core.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        if self.index == Self::ON_ROUND { self.point == other.point } else { self.index == other.index }
+    }
 }
 
 impl Body<'_> {
@@ -46,7 +56,7 @@ impl Body<'_> {
             Core::Hull(hull) => hull.support(local),
             Core::Triangle(corners) => farthest(corners, local),
             Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => {
-                return Corner { point: self.out(round_support(self.core, local)), index: 0 };
+                return Corner { point: self.out(round_support(self.core, local)), index: Corner::ON_ROUND };
             }
         };
         self.corner(index)

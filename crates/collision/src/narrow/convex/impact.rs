@@ -13,7 +13,13 @@
 
 use glam::DVec3;
 
-use super::{PlacedConvex, frame::Pair, gjk, order, separation};
+use super::{
+    PlacedConvex, cast,
+    frame::Pair,
+    gjk, order, separation,
+    simplex::{self, Simplex},
+    warm::Seed,
+};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
@@ -101,11 +107,17 @@ impl<'a> Search<'a> {
     }
 
     fn first_touch(&mut self, initial: InitialTouch) -> Option<Touch> {
-        let mut time = 0.0;
-        let mut normal = None;
+        let approach = cast::approach(&self.pair, self.way, self.budget);
+        self.iterations = approach.iterations;
+        if approach.time > 1.0 {
+            return None;
+        }
+        let mut time = approach.time;
+        let mut normal = (approach.normal != DVec3::ZERO).then_some(approach.normal);
+        let mut seed = Some(Seed::at(&approach.simplex, approach.normal));
         loop {
             self.go_to(time);
-            let gap = gjk::gap(&self.pair, self.budget, |_, upper| upper <= self.pair.radius());
+            let gap = gjk::gap_warm(&self.pair, &mut seed, self.budget, |_, upper| upper <= self.pair.radius());
             self.iterations = self.iterations.saturating_add(gap.iterations);
             if gap.lower > 0.0 {
                 normal = Some(gap.normal);
@@ -171,8 +183,11 @@ impl<'a> Search<'a> {
     /// From a gap within rounding at `time`: seeks an instant of proved overlap at doubling steps beyond it.
     fn prove_touch(&mut self, time: f64, gap: &gjk::Gap, normal: Option<DVec3>, stop: Stop) -> Touch {
         let closing = normal.map_or(0.0, |normal| -normal.dot(self.way));
-        let mut ahead = if closing > 0.0 { 4.0 * PAIR_ROUNDING / closing } else { PAIR_ROUNDING };
+        let mut ahead = if closing > 0.0 { 6.0 * PAIR_ROUNDING / closing } else { PAIR_ROUNDING };
         let mut proved = None;
+        if closing > 0.0 && time + ahead <= 1.0 && self.is_held_by(&gap.simplex, ahead) {
+            proved = Some(time + ahead);
+        }
         while proved.is_none() {
             let instant = (time + ahead).min(1.0);
             if self.is_overlap_at(instant) {
@@ -194,6 +209,24 @@ impl<'a> Search<'a> {
             point: self.point_between(gap),
             is_initial: false,
         }
+    }
+
+    /// Whether the features that are nearest now surely overlap a while later: the points themselves if there are radii, or
+    /// else the tetrahedron that they make with a point inside. This spares a search wherever the touch is not at the very
+    /// edge of a feature.
+    fn is_held_by(&self, simplex: &Simplex, ahead: f64) -> bool {
+        let later = simplex.moved(self.way * ahead);
+        let radius = self.pair.radius();
+        if radius > 0.0 {
+            return later.point().length() + PAIR_ROUNDING <= radius;
+        }
+        let vertices = simplex.vertices();
+        if vertices.len() != 3 {
+            return false;
+        }
+        let [a, b, c] = [0, 1, 2].map(|i: usize| vertices[i].point + self.way * ahead);
+        let inner = self.pair.a.center() - self.pair.b.center() + self.way * ahead;
+        simplex::margin(&[a, b, c, inner]).is_some_and(|margin| margin > PAIR_ROUNDING)
     }
 
     /// A point between the cores' nearest ones, on the surface of the first form.

@@ -10,6 +10,7 @@
 mod axes;
 mod body;
 mod boxes;
+mod cast;
 mod contact;
 mod depth;
 mod epa;

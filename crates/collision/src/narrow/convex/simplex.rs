@@ -36,7 +36,7 @@ impl Vertex {
 
     /// Whether both come from the same points of the forms.
     pub(super) fn is_same(&self, other: &Self) -> bool {
-        self.point == other.point && self.on_a.point == other.on_a.point
+        self.on_a.is_same(&other.on_a) && self.on_b.is_same(&other.on_b)
     }
 }
 
@@ -67,6 +67,15 @@ impl Simplex {
 
     pub(super) fn vertices(&self) -> &[Vertex] {
         &self.vertices[..self.part.count]
+    }
+
+    /// The same vertices with `b` moved against `way`, and the part of them that is nearest then.
+    pub(super) fn moved(mut self, way: DVec3) -> Self {
+        for vertex in &mut self.vertices[..self.part.count] {
+            vertex.point += way;
+            vertex.on_b.point -= way;
+        }
+        self.nearest()
     }
 
     pub(super) fn contains(&self, vertex: &Vertex) -> bool {
@@ -105,15 +114,23 @@ impl Simplex {
         is_nearer
     }
 
+    /// These vertices, at most three, and `vertex`. The point is not sought anew.
+    pub(super) fn with(&self, vertex: &Vertex) -> Self {
+        let mut grown = *self;
+        if grown.part.count < 4 {
+            grown.vertices[grown.part.count] = *vertex;
+            grown.part.count += 1;
+        }
+        grown
+    }
+
     /// These vertices and `vertex`; of four those three with `vertex` whose triangle is nearest to the origin. The point is
     /// not sought anew.
     pub(super) fn grown_or_swapped(&self, vertex: &Vertex) -> Self {
-        let mut grown = *self;
         if self.part.count < 3 {
-            grown.vertices[self.part.count] = *vertex;
-            grown.part.count += 1;
-            return grown;
+            return self.with(vertex);
         }
+        let mut grown = *self;
         let p = [self.vertices[0].point, self.vertices[1].point, self.vertices[2].point, vertex.point];
         let mut best = (f64::INFINITY, [0, 1, 2]);
         for members in [[0, 1, 3], [0, 2, 3], [1, 2, 3]] {

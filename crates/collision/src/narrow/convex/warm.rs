@@ -72,12 +72,17 @@ pub(super) struct Seed {
 impl Seed {
     /// What a search ended with.
     pub(super) fn of(gap: &Gap) -> Self {
+        Self::at(&gap.simplex, gap.normal)
+    }
+
+    /// The corners of a simplex, and the direction of a plane, for cores that have none.
+    pub(super) fn at(simplex: &Simplex, normal: DVec3) -> Self {
         let mut corners = [[0; 2]; 4];
-        let vertices = gap.simplex.vertices();
+        let vertices = simplex.vertices();
         for (slot, vertex) in corners.iter_mut().zip(vertices) {
             *slot = [vertex.on_a.index, vertex.on_b.index];
         }
-        Self { corners, count: vertices.len(), normal: gap.normal }
+        Self { corners, count: vertices.len(), normal }
     }
 
     /// The simplex to begin with at the pair's present pose; `None` if nothing useful is known.

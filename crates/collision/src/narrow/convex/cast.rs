@@ -1,0 +1,94 @@
+//! The way of one core to another, as far as planes prove it free.
+//!
+//! # Method
+//! A GJK search whose target moves: as soon as a support plane parts the forms, the time goes on to where the moving form
+//! would reach that plane, and the search goes on from the same corners. Every plane on the way is a proof, so the time that
+//! is reached is a lower bound of the first touch whatever made the search end.
+//!
+//! ```text
+//!      o------->            the way of the origin relative to the difference
+//!        |    \   ______
+//!      plane 1 \ /      \   each plane that parts the two moves the origin up to itself
+//!         plane 2 difference
+//! ```
+//!
+//! # Source
+//! Van den Bergen, "Ray casting against general convex objects with application to continuous collision detection" (2004),
+//! sections 3 and 4. What was changed: radii stay outside, planes are lowered by their rounding.
+
+use glam::DVec3;
+
+use super::{
+    frame::Pair,
+    gjk,
+    simplex::{Simplex, Vertex},
+};
+use crate::tolerance::{PAIR_ROUNDING, STEP_SHORTENING};
+
+/// How far the way is proved to be free.
+pub(super) struct Approach {
+    /// Free up to this fraction of the way; above 1 it is free to its end.
+    pub(super) time: f64,
+    /// Unit vector from `b` to `a` of the last plane; 0 if there was none.
+    pub(super) normal: DVec3,
+    /// What is nearest at that time.
+    pub(super) simplex: Simplex,
+    pub(super) iterations: u32,
+}
+
+/// Advances along `way`, by which `b` goes backwards over the time from 0 to 1, from the pair's position.
+pub(super) fn approach(pair: &Pair<'_>, way: DVec3, budget: u32) -> Approach {
+    let radius = pair.radius();
+    let toward_a = pair.a.center() - pair.b.center();
+    let mut found = Approach {
+        time: 0.0,
+        normal: DVec3::ZERO,
+        simplex: Simplex::of(gjk::support(pair, toward_a.try_normalize().unwrap_or(DVec3::X))),
+        iterations: 0,
+    };
+    while found.iterations < budget {
+        found.iterations += 1;
+        let nearest = found.simplex.point();
+        let length = nearest.length();
+        if length <= radius + 2.0 * PAIR_ROUNDING || found.simplex.vertices().len() == 4 {
+            break;
+        }
+        let toward = nearest / length;
+        let vertex = moved(gjk::support(pair, toward), way * found.time);
+        let free = toward.dot(vertex.point) - PAIR_ROUNDING - radius;
+        let is_known = found.simplex.contains(&vertex);
+        if !is_known {
+            found.simplex = found.simplex.with(&vertex);
+        }
+        if free > 0.0 {
+            found.normal = toward;
+            let closing = -toward.dot(way);
+            let step = if closing > 0.0 { free / closing * STEP_SHORTENING } else { f64::INFINITY };
+            if found.time + step > 1.0 {
+                found.time = f64::INFINITY;
+                break;
+            }
+            if found.time + step <= found.time {
+                break;
+            }
+            found.time += step;
+            found.simplex = found.simplex.moved(way * step);
+        } else if is_known {
+            break;
+        } else {
+            let next = found.simplex.nearest();
+            let is_nearer = next.point().length_squared() < nearest.length_squared();
+            found.simplex = next;
+            if !is_nearer {
+                break;
+            }
+        }
+    }
+    found
+}
+
+fn moved(vertex: Vertex, way: DVec3) -> Vertex {
+    let mut on_b = vertex.on_b;
+    on_b.point -= way;
+    Vertex { point: vertex.point + way, on_b, ..vertex }
+}
