@@ -11,10 +11,13 @@
 //! "Adaptive precision floating-point arithmetic" (1997), by the crate `robust`.
 //!
 //! # Limits
-//! Exact signs hold while products of three coordinates neither overflow nor underflow, which the limits of sizes
-//! ensure.
+//! Exact signs hold while products of three differences neither overflow nor underflow. So points are scaled by a power
+//! of two first, which takes the largest coordinate to 2¹⁰⁰ (from 2⁴⁹ on, if it is subnormal): volumes stay below 2³¹⁰,
+//! and where all bits of all coordinates are at least 2⁻³⁵⁸, products of three are multiples of 2⁻¹⁰⁷⁴, which f64 holds
+//! exactly. A coordinate below 2⁻⁴⁰⁶ of the largest counts as 0 for that: points so near to each other are one, and
+//! points so nearly in a plane are in it.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
 
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
@@ -39,6 +42,42 @@ pub(super) fn distinct(points: &[DVec3]) -> Vec<DVec3> {
 
 /// Faces and edges of the hull of distinct points, at least one.
 pub(super) fn topology(points: &[DVec3]) -> Topology {
+    let mut topology = topology_of_scaled(&scaled(points));
+    topology.faces.iter_mut().for_each(|face| face.set_offset(points));
+    topology
+}
+
+/// The binary exponent to which the largest coordinate is taken.
+const LARGEST_EXPONENT: i32 = 100;
+
+/// The least exponent of a coordinate that counts, so that its last bit is 2⁻³⁵⁸.
+const LEAST_EXPONENT: i32 = -358 + 52;
+
+/// The points scaled by a power of two, so that signs of volumes are exact.
+fn scaled(points: &[DVec3]) -> Vec<DVec3> {
+    let largest = points.iter().map(|point| point.abs().max_element()).fold(0.0, f64::max);
+    // In two steps, since no power of two takes the least number to the largest coordinate.
+    let lift = LARGEST_EXPONENT - exponent(largest);
+    let steps = [power_of_two(lift / 2), power_of_two(lift - lift / 2)];
+    let least = power_of_two(LEAST_EXPONENT);
+    let number = |value: f64| {
+        let value = value * steps[0] * steps[1];
+        if value.abs() < least { 0.0 } else { value }
+    };
+    points.iter().map(|point| DVec3::from_array(point.to_array().map(number))).collect()
+}
+
+/// The binary exponent of a number; that of subnormal ones and of 0 is −1023.
+fn exponent(value: f64) -> i32 {
+    (value.to_bits() >> 52 & 0x7FF) as i32 - 1023
+}
+
+/// 2 to a power from −1022 to 1023.
+fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
+}
+
+fn topology_of_scaled(points: &[DVec3]) -> Topology {
     let Some(line) = spanning_segment(points) else {
         return Topology { span: Span::Point, faces: Vec::new(), edges: Vec::new() };
     };
@@ -104,15 +143,28 @@ struct Triangle {
     corners: [usize; 3],
     /// Across the edge from corner `i` to corner `i + 1`.
     neighbors: [usize; 3],
-    /// Points that see it and are not yet on the hull.
-    outside: Vec<usize>,
+    /// Points that see it and are not yet on the hull, each with its volume.
+    outside: Vec<(usize, f64)>,
     alive: bool,
+    /// The last point that was found to see it while a horizon was sought.
+    seen_by: usize,
+}
+
+impl Triangle {
+    fn new(corners: [usize; 3], neighbors: [usize; 3]) -> Self {
+        Self { corners, neighbors, outside: Vec::new(), alive: true, seen_by: usize::MAX }
+    }
 }
 
 struct Builder<'a> {
     points: &'a [DVec3],
     triangles: Vec<Triangle>,
+    /// By tail: head and triangle beyond, of the horizon now sought.
+    rim: Vec<(usize, usize)>,
 }
+
+/// An edge of a horizon or of a face: tail, head, and what is beyond.
+type Side = (usize, usize, usize);
 
 impl<'a> Builder<'a> {
     fn new(points: &'a [DVec3], base: [usize; 3], top: usize) -> Self {
@@ -120,23 +172,26 @@ impl<'a> Builder<'a> {
         let d = top;
         let corners = [[a, b, c], [a, d, b], [b, d, c], [c, d, a]];
         let neighbors = [[1, 2, 3], [3, 2, 0], [1, 3, 0], [2, 1, 0]];
-        let triangles = (0..4)
-            .map(|i| Triangle { corners: corners[i], neighbors: neighbors[i], outside: Vec::new(), alive: true })
-            .collect();
-        let mut builder = Self { points, triangles };
-        builder.assign((0..points.len()).filter(|p| ![a, b, c, d].contains(p)).collect(), 0);
+        let triangles = (0..4).map(|i| Triangle::new(corners[i], neighbors[i])).collect();
+        let mut builder = Self { points, triangles, rim: vec![(usize::MAX, usize::MAX); points.len()] };
+        builder.assign((0..points.len()).filter(|p| ![a, b, c, d].contains(p)), 0);
         builder
     }
 
-    fn sees(&self, triangle: usize, point: usize) -> bool {
-        volume(self.points, self.triangles[triangle].corners, point) < 0.0
+    /// Below 0 where `point` sees the triangle.
+    fn volume(&self, triangle: usize, point: usize) -> f64 {
+        volume(self.points, self.triangles[triangle].corners, point)
     }
 
     /// Gives each point to the first triangle from `first` on that it sees; a point that sees none is inside.
-    fn assign(&mut self, candidates: Vec<usize>, first: usize) {
+    fn assign(&mut self, candidates: impl IntoIterator<Item = usize>, first: usize) {
         for point in candidates {
-            if let Some(triangle) = (first..self.triangles.len()).find(|&t| self.sees(t, point)) {
-                self.triangles[triangle].outside.push(point);
+            for triangle in first..self.triangles.len() {
+                let volume = self.volume(triangle, point);
+                if volume < 0.0 {
+                    self.triangles[triangle].outside.push((point, volume));
+                    break;
+                }
             }
         }
     }
@@ -154,107 +209,103 @@ impl<'a> Builder<'a> {
 
     /// Adds the farthest point that `start` sees: what it sees goes, a fan from the horizon to it comes.
     fn add_farthest(&mut self, start: usize) {
-        let corners = self.triangles[start].corners;
-        let outside = &self.triangles[start].outside;
-        let Some(&point) = outside.iter().max_by(|&&p, &&q| {
-            volume(self.points, corners, q).total_cmp(&volume(self.points, corners, p)).then(q.cmp(&p))
-        }) else {
+        let outside = self.triangles[start].outside.iter();
+        let Some(&(point, _)) = outside.max_by(|(p, high), (q, low)| low.total_cmp(high).then(q.cmp(p))) else {
             return;
         };
         let (visible, horizon) = self.horizon(start, point);
         let first = self.triangles.len();
         let fan = horizon.len();
         for (i, &(tail, head, across)) in horizon.iter().enumerate() {
-            let index = first + i;
-            self.triangles.push(Triangle {
-                corners: [tail, head, point],
-                neighbors: [across, first + (i + 1) % fan, first + (i + fan - 1) % fan],
-                outside: Vec::new(),
-                alive: true,
-            });
+            let neighbors = [across, first + (i + 1) % fan, first + (i + fan - 1) % fan];
+            self.triangles.push(Triangle::new([tail, head, point], neighbors));
             let outer = &mut self.triangles[across];
             if let Some(side) = (0..3).find(|&s| outer.corners[s] == head && outer.corners[(s + 1) % 3] == tail) {
-                outer.neighbors[side] = index;
+                outer.neighbors[side] = first + i;
             }
         }
         let mut orphans = Vec::new();
         for &gone in &visible {
             self.triangles[gone].alive = false;
-            orphans.append(&mut self.triangles[gone].outside);
+            let outside = std::mem::take(&mut self.triangles[gone].outside);
+            orphans.extend(outside.into_iter().map(|(orphan, _)| orphan).filter(|&orphan| orphan != point));
         }
-        orphans.retain(|&p| p != point);
         orphans.sort_unstable();
         self.assign(orphans, first);
     }
 
-    /// What `point` sees, beginning with `start`, and the edges round it in order: tail, head, triangle beyond.
-    fn horizon(&self, start: usize, point: usize) -> (Vec<usize>, Vec<(usize, usize, usize)>) {
+    /// What `point` sees, beginning with `start`, and the edges round it in order, from that of the least tail on.
+    fn horizon(&mut self, start: usize, point: usize) -> (Vec<usize>, Vec<Side>) {
         let mut visible = vec![start];
-        let mut is_visible: HashSet<usize> = HashSet::from([start]);
-        let mut rim: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
+        self.triangles[start].seen_by = point;
+        let mut first = usize::MAX;
+        let mut count = 0;
         let mut next = 0;
         while next < visible.len() {
-            let triangle = &self.triangles[visible[next]];
+            let Triangle { corners, neighbors, .. } = self.triangles[visible[next]];
             for side in 0..3 {
-                let across = triangle.neighbors[side];
-                if is_visible.contains(&across) {
+                let across = neighbors[side];
+                if self.triangles[across].seen_by == point {
                     continue;
                 }
-                if self.sees(across, point) {
-                    is_visible.insert(across);
+                if self.volume(across, point) < 0.0 {
+                    self.triangles[across].seen_by = point;
                     visible.push(across);
                 } else {
-                    rim.insert(triangle.corners[side], (triangle.corners[(side + 1) % 3], across));
+                    self.rim[corners[side]] = (corners[(side + 1) % 3], across);
+                    first = first.min(corners[side]);
+                    count += 1;
                 }
             }
             next += 1;
         }
-        let mut ordered = Vec::with_capacity(rim.len());
-        let first = rim.keys().next().copied().unwrap_or(0);
+        let mut ordered = Vec::with_capacity(count);
         let mut tail = first;
-        while let Some((head, across)) = rim.remove(&tail) {
+        for _ in 0..count {
+            let (head, across) = self.rim[tail];
             ordered.push((tail, head, across));
             tail = head;
         }
-        debug_assert!(rim.is_empty() && tail == first, "exact signs make the horizon one closed loop");
+        debug_assert!(tail == first, "exact signs make the horizon one closed loop");
         (visible, ordered)
     }
 
     /// Joins triangles in one plane to faces and collects the edges between faces.
     fn solid(&self) -> Topology {
         let group = self.coplanar_groups();
-        let mut face_of_group: BTreeMap<usize, u32> = BTreeMap::new();
-        let mut borders: Vec<BTreeMap<usize, (usize, usize)>> = Vec::new();
+        let mut face_of_group: Vec<u32> = vec![u32::MAX; self.triangles.len()];
+        let mut borders: Vec<Vec<Side>> = Vec::new();
         for (index, triangle) in self.triangles.iter().enumerate().filter(|(_, t)| t.alive) {
-            let face = *face_of_group.entry(group[index]).or_insert_with(|| {
-                borders.push(BTreeMap::new());
-                index_u32(borders.len() - 1)
-            });
+            let face = &mut face_of_group[group[index]];
+            if *face == u32::MAX {
+                *face = index_u32(borders.len());
+                borders.push(Vec::with_capacity(3));
+            }
             for side in 0..3 {
-                let across = triangle.neighbors[side];
-                if group[across] != group[index] {
-                    borders[face as usize]
-                        .insert(triangle.corners[side], (triangle.corners[(side + 1) % 3], group[across]));
+                let beyond = group[triangle.neighbors[side]];
+                if beyond != group[index] {
+                    let [tail, head] = [side, (side + 1) % 3].map(|corner| triangle.corners[corner]);
+                    borders[*face as usize].push((tail, head, beyond));
                 }
             }
         }
         let mut faces = Vec::with_capacity(borders.len());
-        let mut edges = Vec::new();
-        for (left, border) in borders.iter().enumerate() {
+        let mut edges = Vec::with_capacity(borders.iter().map(Vec::len).sum::<usize>() / 2);
+        for (left, border) in borders.iter_mut().enumerate() {
+            border.sort_unstable();
+            let left = index_u32(left);
             let mut outline = Vec::with_capacity(border.len());
-            let first = border.keys().next().copied().unwrap_or(0);
-            let mut tail = first;
-            while let Some(&(head, beyond)) = border.get(&tail) {
+            let mut at = 0;
+            for _ in 0..border.len() {
+                let (tail, head, beyond) = border[at];
                 outline.push(index_u32(tail));
-                let right = face_of_group[&beyond];
-                let left = index_u32(left);
+                let right = face_of_group[beyond];
                 if left < right {
-                    let [start, end] = [tail, head].map(index_u32);
-                    edges.push(Edge { start, end, left, right });
+                    edges.push(Edge { start: index_u32(tail), end: index_u32(head), left, right });
                 }
-                tail = head;
-                if tail == first {
-                    break;
+                match border.binary_search_by_key(&head, |&(tail, _, _)| tail) {
+                    Ok(next) if next != 0 => at = next,
+                    Ok(_) | Err(_) => break,
                 }
             }
             faces.push(Face::of(self.points, outline));
@@ -274,8 +325,9 @@ impl<'a> Builder<'a> {
             while let Some(index) = queue.pop() {
                 for &across in &self.triangles[index].neighbors {
                     let joined = group[across] == usize::MAX && {
-                        let corners = self.triangles[across].corners;
-                        corners.iter().all(|&corner| volume(self.points, self.triangles[start].corners, corner) == 0.0)
+                        let plane = self.triangles[start].corners;
+                        let is_in_plane = |corner| plane.contains(&corner) || self.volume(start, corner) == 0.0;
+                        self.triangles[across].corners.into_iter().all(is_in_plane)
                     };
                     if joined {
                         group[across] = start;

@@ -64,8 +64,15 @@ impl Face {
     }
 
     fn with_normal(points: &[DVec3], normal: DVec3, vertices: Vec<u32>) -> Self {
-        let offset = vertices.iter().map(|&v| normal.dot(points[v as usize])).fold(f64::NEG_INFINITY, f64::max);
-        Self { normal, offset, vertices }
+        let mut face = Self { normal, offset: 0.0, vertices };
+        face.set_offset(points);
+        face
+    }
+
+    /// The same face of the same points at another scale.
+    pub(super) fn set_offset(&mut self, points: &[DVec3]) {
+        let heights = self.vertices.iter().map(|&vertex| self.normal.dot(points[vertex as usize]));
+        self.offset = heights.fold(f64::NEG_INFINITY, f64::max);
     }
 }
 

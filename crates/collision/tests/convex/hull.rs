@@ -12,11 +12,13 @@ fn assert_is_solid_hull(hull: &Hull) {
     let topology = hull.topology();
     assert_eq!(topology.span, Span::Solid);
     let extent = hull.vertices().iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
+    // The last bit of what is subnormal is more than a rounding of it.
+    let slack = 4.0 * f64::EPSILON * extent + 4.0 * f64::from_bits(1);
     for face in &topology.faces {
         assert!((face.normal.length() - 1.0).abs() < 1e-15);
         for &vertex in hull.vertices() {
             let height = face.normal.dot(vertex) - face.offset;
-            assert!(height <= 4.0 * f64::EPSILON * extent, "{vertex} stands out by {height}");
+            assert!(height <= slack, "{vertex} stands out by {height}");
         }
     }
     let mut corners: Vec<u32> = topology.faces.iter().flat_map(|face| face.vertices.clone()).collect();
@@ -79,4 +81,79 @@ fn a_segment_ends_at_its_outermost_points() {
     let mut ends = [hull.vertices()[edge.start as usize].x, hull.vertices()[edge.end as usize].x];
     ends.sort_by(f64::total_cmp);
     assert_eq!(ends, [-0.5, 1.0]);
+}
+
+/// The faces of a hull by their vertices, whatever the scale was.
+fn outlines(points: &[DVec3]) -> Vec<Vec<u32>> {
+    Hull::new(points).topology().faces.iter().map(|face| face.vertices.clone()).collect()
+}
+
+#[test]
+fn signs_are_exact_at_every_size_a_number_can_have() {
+    let mut noise = Noise(23);
+    let points: Vec<DVec3> = (0..40).map(|_| noise.vector()).collect();
+    let whole: Vec<DVec3> = points.iter().map(|&point| (point * 1048576.0).round()).collect();
+    for exponent in [-1000, -700, -530, -360, -100, 39] {
+        let scale = 2.0_f64.powi(exponent);
+        let scaled: Vec<DVec3> = points.iter().map(|&point| point * scale).collect();
+        assert_eq!(outlines(&points), outlines(&scaled), "2^{exponent}");
+        assert_is_solid_hull(&Hull::new(&scaled));
+    }
+    // Whole numbers of the least number there is.
+    let least: Vec<DVec3> =
+        whole.iter().map(|point| DVec3::from(point.to_array().map(|x| x * f64::from_bits(1)))).collect();
+    assert_eq!(outlines(&whole), outlines(&least));
+    assert_is_solid_hull(&Hull::new(&least));
+}
+
+#[test]
+fn what_is_far_below_the_largest_coordinate_is_decided_exactly_or_counts_as_nothing() {
+    let corner = |thin: f64| [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.3, 0.3, thin)];
+    for thin in [1e-16, 1e-100, 1e-120] {
+        let hull = Hull::new(&corner(thin));
+        assert_is_solid_hull(&hull);
+        assert_eq!(hull.topology().faces.len(), 4);
+    }
+    for thin in [1e-130, 1e-160, 1e-310] {
+        assert_eq!(Hull::new(&corner(thin)).topology().span, Span::Polygon);
+        let points = [DVec3::X, DVec3::new(1.0, thin, 0.0), DVec3::new(1.0, 0.0, thin)];
+        assert_eq!(Hull::new(&points).topology().span, Span::Point);
+    }
+    // The same thickness far from the origin, where the last bit of a coordinate is 1e-16 of it.
+    let lifted: Vec<DVec3> = corner(f64::EPSILON).iter().map(|&point| point + DVec3::Z).collect();
+    assert_is_solid_hull(&Hull::new(&lifted));
+}
+
+#[test]
+fn duplicates_and_points_within_a_rounding_of_each_other_change_no_span() {
+    let mut noise = Noise(29);
+    for flatness in [DVec3::ONE, DVec3::new(1.0, 1e-16, 1.0)] {
+        let mut points: Vec<DVec3> = (0..20).map(|_| noise.vector() * flatness).collect();
+        for i in 0..40 {
+            let point = points[i % 20];
+            points.push(if i % 2 == 0 { point } else { point + noise.vector() * 2e-16 * flatness });
+        }
+        assert_is_solid_hull(&Hull::new(&points));
+    }
+    let line: Vec<DVec3> = (0..50).map(|i| DVec3::new(1.0, 2.0, -3.0) * f64::from(i % 7)).collect();
+    assert_eq!(Hull::new(&line).topology().span, Span::Segment);
+}
+
+#[test]
+fn large_grids_and_spheres_are_built_without_a_quadratic_cost() {
+    let grid: Vec<DVec3> =
+        (0..64_000).map(|i| DVec3::from([i % 40, i / 40 % 40, i / 1600].map(f64::from)) * 0.1).collect();
+    assert_eq!(Hull::new(&grid).topology().faces.len(), 6);
+    let mut noise = Noise(31);
+    let sphere: Vec<DVec3> = (0..65_536).map(|_| noise.vector().normalize()).collect();
+    let hull = Hull::new(&sphere);
+    assert_eq!(hull.topology().faces.len() + hull.vertices().len(), hull.topology().edges.len() + 2);
+    // Two arcs that cross at right angles: each corner of one sees each of the other.
+    let arcs: Vec<DVec3> = (0..8192)
+        .map(|i| {
+            let (sine, cosine) = (f64::from(i / 2) / 4096.0 - 0.5).sin_cos();
+            if i % 2 == 0 { DVec3::new(sine, 0.0, cosine) } else { DVec3::new(0.0, sine, -cosine) }
+        })
+        .collect();
+    assert_eq!(Hull::new(&arcs).topology().span, Span::Solid);
 }
