@@ -149,3 +149,9 @@ pub const CLIMB_DOUBT: f64 = 8.0 * ROUNDING;
 /// surface to within a support value's error, and clipping and projecting add as much again. Smaller, and a point's interval
 /// might miss; larger, and it would be wider than need be. Pinned by `tests/convex/contact.rs`.
 pub const POINT_DEPTH: f64 = 4.0 * PAIR_ROUNDING;
+
+/// How far the length of `Σ wᵢ(p − vᵢ)` may be from that of `Σ wᵢ(p − vᵢ) / Σ wᵢ`, as a part of `Σ wᵢ|p − vᵢ|`, where
+/// `Σ wᵢ` is 1 but for rounding: 4 for that, one for each difference, one for the product and two for the sum of three;
+/// twice that is taken, for the rounding of this bound itself. Larger: wider bounds. Smaller: a simplified hull might state
+/// less than what it leaves out. Test: `convex/simplify.rs`.
+pub const WITNESS_ROUNDING: f64 = 16.0 * ROUNDING;

@@ -15,6 +15,8 @@ mod limits;
 mod mesh;
 mod planar;
 mod quickhull;
+mod scale;
+mod simplify;
 mod topology;
 
 pub use adjacency::Adjacency;
@@ -23,4 +25,5 @@ pub use geometry::{Form, Geometry, GeometryId};
 pub use hull::Hull;
 pub use limits::{GeometryError, Limits};
 pub use mesh::{Mesh, MeshReport};
+pub use simplify::Simplified;
 pub use topology::{Edge, Face, Span, Topology};

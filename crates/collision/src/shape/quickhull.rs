@@ -11,11 +11,7 @@
 //! "Adaptive precision floating-point arithmetic" (1997), by the crate `robust`.
 //!
 //! # Limits
-//! Exact signs hold while products of three differences neither overflow nor underflow. So points are scaled by a power
-//! of two first, which takes the largest coordinate to 2¹⁰⁰ (from 2⁴⁹ on, if it is subnormal): volumes stay below 2³¹⁰,
-//! and where all bits of all coordinates are at least 2⁻³⁵⁸, products of three are multiples of 2⁻¹⁰⁷⁴, which f64 holds
-//! exactly. A coordinate below 2⁻⁴⁰⁶ of the largest counts as 0 for that: points so near to each other are one, and
-//! points so nearly in a plane are in it.
+//! Points are decided on at the scale of [`super::scale`].
 
 use std::collections::HashSet;
 
@@ -24,6 +20,7 @@ use robust::{Coord3D, orient3d};
 
 use super::{
     planar::{exact_cross, polygon},
+    scale::Scaled,
     topology::{Edge, Face, Span, Topology, index_u32},
 };
 
@@ -42,39 +39,9 @@ pub(super) fn distinct(points: &[DVec3]) -> Vec<DVec3> {
 
 /// Faces and edges of the hull of distinct points, at least one.
 pub(super) fn topology(points: &[DVec3]) -> Topology {
-    let mut topology = topology_of_scaled(&scaled(points));
+    let mut topology = topology_of_scaled(&Scaled::new(points).points);
     topology.faces.iter_mut().for_each(|face| face.set_offset(points));
     topology
-}
-
-/// The binary exponent to which the largest coordinate is taken.
-const LARGEST_EXPONENT: i32 = 100;
-
-/// The least exponent of a coordinate that counts, so that its last bit is 2⁻³⁵⁸.
-const LEAST_EXPONENT: i32 = -358 + 52;
-
-/// The points scaled by a power of two, so that signs of volumes are exact.
-fn scaled(points: &[DVec3]) -> Vec<DVec3> {
-    let largest = points.iter().map(|point| point.abs().max_element()).fold(0.0, f64::max);
-    // In two steps, since no power of two takes the least number to the largest coordinate.
-    let lift = LARGEST_EXPONENT - exponent(largest);
-    let steps = [power_of_two(lift / 2), power_of_two(lift - lift / 2)];
-    let least = power_of_two(LEAST_EXPONENT);
-    let number = |value: f64| {
-        let value = value * steps[0] * steps[1];
-        if value.abs() < least { 0.0 } else { value }
-    };
-    points.iter().map(|point| DVec3::from_array(point.to_array().map(number))).collect()
-}
-
-/// The binary exponent of a number; that of subnormal ones and of 0 is −1023.
-fn exponent(value: f64) -> i32 {
-    (value.to_bits() >> 52 & 0x7FF) as i32 - 1023
-}
-
-/// 2 to a power from −1022 to 1023.
-fn power_of_two(exponent: i32) -> f64 {
-    f64::from_bits(((exponent + 1023) as u64) << 52)
 }
 
 fn topology_of_scaled(points: &[DVec3]) -> Topology {
@@ -94,7 +61,7 @@ fn topology_of_scaled(points: &[DVec3]) -> Topology {
 }
 
 /// Sign-exact six-fold volume: above 0 where `d` is on the inner side of a face seen counter-clockwise from outside.
-fn volume(points: &[DVec3], [a, b, c]: [usize; 3], d: usize) -> f64 {
+pub(super) fn volume(points: &[DVec3], [a, b, c]: [usize; 3], d: usize) -> f64 {
     let coordinate = |index: usize| Coord3D { x: points[index].x, y: points[index].y, z: points[index].z };
     orient3d(coordinate(a), coordinate(b), coordinate(c), coordinate(d))
 }
@@ -156,24 +123,29 @@ impl Triangle {
     }
 }
 
-struct Builder<'a> {
+/// A solid hull under construction, at a scale at which signs are exact.
+pub(super) struct Builder<'a> {
     points: &'a [DVec3],
     triangles: Vec<Triangle>,
     /// By tail: head and triangle beyond, of the horizon now sought.
     rim: Vec<(usize, usize)>,
+    /// For each point a triangle that it sees; `usize::MAX` for those inside or on the hull.
+    seen: Vec<usize>,
 }
 
 /// An edge of a horizon or of a face: tail, head, and what is beyond.
 type Side = (usize, usize, usize);
 
 impl<'a> Builder<'a> {
-    fn new(points: &'a [DVec3], base: [usize; 3], top: usize) -> Self {
+    /// The tetrahedron of three points and a fourth that is not in their plane.
+    pub(super) fn new(points: &'a [DVec3], base: [usize; 3], top: usize) -> Self {
         let [a, b, c] = if volume(points, base, top) > 0.0 { base } else { [base[0], base[2], base[1]] };
         let d = top;
         let corners = [[a, b, c], [a, d, b], [b, d, c], [c, d, a]];
         let neighbors = [[1, 2, 3], [3, 2, 0], [1, 3, 0], [2, 1, 0]];
         let triangles = (0..4).map(|i| Triangle::new(corners[i], neighbors[i])).collect();
-        let mut builder = Self { points, triangles, rim: vec![(usize::MAX, usize::MAX); points.len()] };
+        let rim = vec![(usize::MAX, usize::MAX); points.len()];
+        let mut builder = Self { points, triangles, rim, seen: vec![usize::MAX; points.len()] };
         builder.assign((0..points.len()).filter(|p| ![a, b, c, d].contains(p)), 0);
         builder
     }
@@ -186,10 +158,12 @@ impl<'a> Builder<'a> {
     /// Gives each point to the first triangle from `first` on that it sees; a point that sees none is inside.
     fn assign(&mut self, candidates: impl IntoIterator<Item = usize>, first: usize) {
         for point in candidates {
+            self.seen[point] = usize::MAX;
             for triangle in first..self.triangles.len() {
                 let volume = self.volume(triangle, point);
                 if volume < 0.0 {
                     self.triangles[triangle].outside.push((point, volume));
+                    self.seen[point] = triangle;
                     break;
                 }
             }
@@ -207,12 +181,34 @@ impl<'a> Builder<'a> {
         self.solid()
     }
 
-    /// Adds the farthest point that `start` sees: what it sees goes, a fan from the horizon to it comes.
+    /// Adds the farthest point that `start` sees.
     fn add_farthest(&mut self, start: usize) {
         let outside = self.triangles[start].outside.iter();
         let Some(&(point, _)) = outside.max_by(|(p, high), (q, low)| low.total_cmp(high).then(q.cmp(p))) else {
             return;
         };
+        self.insert(start, point);
+    }
+
+    /// Whether a point is neither inside nor on the hull.
+    pub(super) fn is_outside(&self, point: usize) -> bool {
+        self.seen[point] != usize::MAX
+    }
+
+    /// Adds a point, if it is outside: the number of the first triangle that is new.
+    pub(super) fn add(&mut self, point: usize) -> Option<usize> {
+        let first = self.triangles.len();
+        self.is_outside(point).then(|| self.insert(self.seen[point], point)).map(|()| first)
+    }
+
+    /// The corners of the triangles from `first` on.
+    pub(super) fn faces(&self, first: usize) -> impl Iterator<Item = [usize; 3]> {
+        self.triangles[first..].iter().filter(|triangle| triangle.alive).map(|triangle| triangle.corners)
+    }
+
+    /// Adds a point that sees `start`: what it sees goes, a fan from the horizon to it comes.
+    fn insert(&mut self, start: usize, point: usize) {
+        self.seen[point] = usize::MAX;
         let (visible, horizon) = self.horizon(start, point);
         let first = self.triangles.len();
         let fan = horizon.len();

@@ -5,4 +5,5 @@ mod extremes;
 mod hull;
 mod laws;
 mod random;
+mod simplify;
 mod support;
