@@ -55,7 +55,7 @@ impl Hull {
     ///
     /// Vertices are added farthest first, so that more of them never make `outside` larger. With `max_error` 0, a budget of
     /// all vertices gives the same hull, and one of all corners the hull of those, both with `outside` 0. Costs the
-    /// topology and O(n) for each vertex kept: 1,024 vertices to 64 take about 3 ms.
+    /// topology and O(n) for each vertex kept: 1,024 vertices to 64 take about 10 ms, 65,536 to 64 about 1 s.
     ///
     /// ```
     /// use collision::{DVec3, shape::Hull};
