@@ -5,8 +5,10 @@ pub mod directed;
 mod direction;
 pub mod exact;
 pub mod expansion;
+mod norm;
 mod pose;
 
 pub use aabb::Aabb;
 pub use direction::try_unit;
+pub use norm::Norm;
 pub use pose::Pose;

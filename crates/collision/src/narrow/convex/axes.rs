@@ -25,7 +25,7 @@ use super::{
 };
 use crate::{
     answer::Stop,
-    math::{exact, try_unit},
+    math::{Norm, exact, try_unit},
     shape::{Core, Hull, Span},
     tolerance::{ARC_DOUBT, AXIS_LEAN, PAIR_ROUNDING},
 };
@@ -81,7 +81,7 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
         all_axes(&mut best, &a, &b);
     } else {
         let apart = pair.a.center() - pair.b.center();
-        for axis in [DVec3::X, DVec3::Y, DVec3::Z, apart.try_normalize().unwrap_or(DVec3::ONE.normalize())] {
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z, apart.try_unit().unwrap_or(DVec3::X)] {
             best.try_axis(axis);
             best.try_axis(-axis);
         }
@@ -169,7 +169,7 @@ fn crossing_edges(best: &mut Best<'_>, a: &Outline, b: &Outline) {
             if !arcs_may_cross(on_a, on_b) {
                 continue;
             }
-            let Some(axis) = on_a.along.cross(on_b.along).try_normalize() else {
+            let Some(axis) = on_a.along.cross(on_b.along).try_unit() else {
                 continue;
             };
             let outward = axis.dot(on_b.ends[0].point - middle);
@@ -195,7 +195,7 @@ fn arcs_may_cross(on_a: &Edge, on_b: &Edge) -> bool {
 fn all_edges(best: &mut Best<'_>, a: &Outline, b: &Outline) {
     for on_b in &b.edges {
         for on_a in &a.edges {
-            if let Some(axis) = on_a.along.cross(on_b.along).try_normalize() {
+            if let Some(axis) = on_a.along.cross(on_b.along).try_unit() {
                 best.try_edges(axis, on_a, on_b);
                 best.try_edges(-axis, on_a, on_b);
             }

@@ -10,7 +10,10 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::shape::{Core, Hull};
+use crate::{
+    math::Norm,
+    shape::{Core, Hull},
+};
 
 /// A core in the pair's frame.
 pub(super) struct Body<'a> {
@@ -20,6 +23,8 @@ pub(super) struct Body<'a> {
     pub(super) radius: f64,
     /// From its own axes to those of the frame.
     pub(super) rotation: DMat3,
+    /// Its axes are not those of the frame.
+    pub(super) is_turned: bool,
     /// Where its local origin is.
     pub(super) position: DVec3,
     /// What lengths of the form are multiplied by.
@@ -36,15 +41,11 @@ pub(super) struct Corner {
 impl Corner {
     /// The number of points of round cores, which have none.
     pub(super) const ON_ROUND: u32 = u32::MAX;
-
-    /// Whether both are one corner of the same core.
-    pub(super) fn is_same(&self, other: &Self) -> bool {
-        if self.index == Self::ON_ROUND { self.point == other.point } else { self.index == other.index }
-    }
 }
 
 impl Body<'_> {
     /// The corner farthest along `direction`; of equal ones the first.
+    #[inline]
     pub(super) fn support(&self, direction: DVec3) -> Corner {
         let local = self.to_local(direction);
         let index = match self.core {
@@ -63,6 +64,7 @@ impl Body<'_> {
     }
 
     /// A corner by its number.
+    #[inline]
     pub(super) fn corner(&self, index: u32) -> Corner {
         Corner { point: self.out(self.local_corner(index)), index }
     }
@@ -85,7 +87,11 @@ impl Body<'_> {
     }
 
     /// A direction of the pair's frame in the core's own.
+    #[inline]
     pub(super) fn to_local(&self, direction: DVec3) -> DVec3 {
+        if !self.is_turned {
+            return direction;
+        }
         let turn = &self.rotation;
         DVec3::new(turn.x_axis.dot(direction), turn.y_axis.dot(direction), turn.z_axis.dot(direction))
     }
@@ -110,10 +116,13 @@ impl Body<'_> {
     }
 
     /// A local point in the frame.
+    #[inline]
     pub(super) fn out(&self, local: DVec3) -> DVec3 {
-        self.rotation * (local * self.scale) + self.position
+        let scaled = local * self.scale;
+        (if self.is_turned { self.rotation * scaled } else { scaled }) + self.position
     }
 
+    #[inline]
     fn local_corner(&self, index: u32) -> DVec3 {
         match self.core {
             Core::Point | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => DVec3::ZERO,
@@ -140,14 +149,14 @@ fn round_support(core: &Core, direction: DVec3) -> DVec3 {
             let apex = DVec3::Y * *half_height;
             if apex.dot(direction) >= rim.dot(direction) { apex } else { rim }
         }
-        Core::Ellipsoid { radii } => *radii * (*radii * direction).normalize_or(DVec3::X),
+        Core::Ellipsoid { radii } => *radii * (*radii * direction).try_unit().unwrap_or(DVec3::X),
         Core::Point | Core::Segment { .. } | Core::Cuboid { .. } | Core::Hull(_) | Core::Triangle(_) => DVec3::ZERO,
     }
 }
 
 /// The point of a circle about y that is farthest along a direction; any if the direction is along y.
 fn on_circle(direction: DVec3, radius: f64) -> DVec3 {
-    DVec3::new(direction.x, 0.0, direction.z).normalize_or(DVec3::X) * radius
+    DVec3::new(direction.x, 0.0, direction.z).try_unit().unwrap_or(DVec3::X) * radius
 }
 
 fn farthest(points: &[DVec3], direction: DVec3) -> u32 {

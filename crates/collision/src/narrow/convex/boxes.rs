@@ -21,6 +21,7 @@ use super::{
 };
 use crate::{
     answer::Stop,
+    math::Norm,
     shape::Core,
     tolerance::{AXIS_LEAN, PAIR_ROUNDING},
 };
@@ -102,7 +103,7 @@ impl Boxes {
                 (2, DVec3::new(-across.y, across.x, 0.0)),
             ];
             for (on_a, axis) in axes {
-                let length = axis.length();
+                let length = axis.norm();
                 let quick = axis.dot(p).abs() - axis.abs().dot(half_a) - reach_b[on_a];
                 if quick + 2.0 * PAIR_ROUNDING < best.separation * length || length <= 0.0 {
                     continue;

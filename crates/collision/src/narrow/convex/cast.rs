@@ -23,7 +23,10 @@ use super::{
     gjk,
     simplex::{Simplex, Vertex},
 };
-use crate::tolerance::{PAIR_ROUNDING, STEP_SHORTENING};
+use crate::{
+    math::Norm,
+    tolerance::{PAIR_ROUNDING, STEP_SHORTENING},
+};
 
 /// How far the way is proved to be free.
 pub(super) struct Approach {
@@ -43,13 +46,13 @@ pub(super) fn approach(pair: &Pair<'_>, way: DVec3, budget: u32) -> Approach {
     let mut found = Approach {
         time: 0.0,
         normal: DVec3::ZERO,
-        simplex: Simplex::of(gjk::support(pair, toward_a.try_normalize().unwrap_or(DVec3::X))),
+        simplex: Simplex::of(gjk::support(pair, toward_a.try_unit().unwrap_or(DVec3::X))),
         iterations: 0,
     };
     while found.iterations < budget {
         found.iterations += 1;
         let nearest = found.simplex.point();
-        let length = nearest.length();
+        let length = nearest.norm();
         if length <= radius + 2.0 * PAIR_ROUNDING || found.simplex.vertices().len() == 4 {
             break;
         }
@@ -88,7 +91,5 @@ pub(super) fn approach(pair: &Pair<'_>, way: DVec3, budget: u32) -> Approach {
 }
 
 fn moved(vertex: Vertex, way: DVec3) -> Vertex {
-    let mut on_b = vertex.on_b;
-    on_b.point -= way;
-    Vertex { point: vertex.point + way, on_b, ..vertex }
+    Vertex { point: vertex.point + way, ..vertex }
 }

@@ -38,6 +38,7 @@ use super::{
 };
 use crate::{
     answer::Stop,
+    math::Norm,
     tolerance::{CROSS_BLUR, FACE_HEIGHT, PAIR_ROUNDING},
 };
 
@@ -262,14 +263,14 @@ fn plane(a: DVec3, b: DVec3, c: DVec3) -> (DVec3, f64, f64) {
         (normal, p.min(q).min(r), p.max(q).max(r))
     };
     let normal = (b - a).cross(c - a);
-    let own = normal.try_normalize().map(heights);
+    let own = normal.try_unit().map(heights);
     if let Some((normal, low, high)) = own
         && high - low <= FACE_HEIGHT
     {
         return (normal, low, high);
     }
     // A sliver: its own plane is known badly, but the direction to its nearest point is known well.
-    let toward = nearest_of_triangle(a, b, c).try_normalize().map(heights);
+    let toward = nearest_of_triangle(a, b, c).try_unit().map(heights);
     match (own, toward) {
         (Some(own), Some(toward)) => {
             if toward.1 > own.1 {
@@ -302,18 +303,18 @@ fn tetrahedron(pair: &Pair<'_>, start: &Simplex) -> Option<[Vertex; 4]> {
         add_off(&mut vertices, &[DVec3::X, DVec3::Y, DVec3::Z])?;
     }
     if vertices.len() == 2 {
-        let along = (vertices[1].point - vertices[0].point).try_normalize()?;
+        let along = (vertices[1].point - vertices[0].point).try_unit()?;
         let (u, v) = along.any_orthonormal_pair();
         add_off(&mut vertices, &[u, v])?;
     }
     if vertices.len() == 3 {
         let [a, b, c] = [vertices[0].point, vertices[1].point, vertices[2].point];
-        add_off(&mut vertices, &[(b - a).cross(c - a).try_normalize()?])?;
+        add_off(&mut vertices, &[(b - a).cross(c - a).try_unit()?])?;
     }
     let [a, b, c, d] = [vertices[0], vertices[1], vertices[2], vertices[3]];
     let (u, v, w) = (b.point - a.point, c.point - a.point, d.point - a.point);
     let volume = u.cross(v).dot(w);
-    let blur = CROSS_BLUR * u.length() * v.length() * w.length();
+    let blur = CROSS_BLUR * u.norm() * v.norm() * w.norm();
     if volume > blur {
         Some([a, b, c, d])
     } else if volume < -blur {

@@ -8,7 +8,7 @@
 use glam::{DMat3, DVec3};
 
 use super::{PlacedConvex, body::Body};
-use crate::{answer::Bound, math::Pose, shape::Convex};
+use crate::{answer::Bound, math::Norm, shape::Convex};
 
 /// Two cores in one frame.
 pub(super) struct Pair<'a> {
@@ -24,18 +24,22 @@ impl<'a> Pair<'a> {
     pub(super) fn new(a: PlacedConvex<'a>, b: PlacedConvex<'a>, path: f64) -> Self {
         let axes = a.pose.matrix();
         let apart = b.pose.position - a.pose.position;
-        let extent = reach(a.convex) + reach(b.convex) + apart.length() + path;
+        let extent = reach(a.convex) + reach(b.convex) + apart.norm() + path;
         let scale = power_of_two_below_reciprocal(extent);
-        let body = |convex: &'a Convex, rotation, position: DVec3| Body {
+        let body = |convex: &'a Convex, is_turned, rotation, position: DVec3| Body {
             core: &convex.core,
             radius: convex.radius * scale,
             rotation,
+            is_turned,
             position: position * scale,
             scale,
         };
+        // Forms that are turned alike have exactly no relative rotation.
+        let is_turned = a.pose.rotation != b.pose.rotation;
+        let rotation = if is_turned { axes.transpose() * b.pose.matrix() } else { DMat3::IDENTITY };
         Self {
-            a: body(a.convex, DMat3::IDENTITY, DVec3::ZERO),
-            b: body(b.convex, relative_rotation(&a.pose, &b.pose), axes.transpose() * apart),
+            a: body(a.convex, false, DMat3::IDENTITY, DVec3::ZERO),
+            b: body(b.convex, is_turned, rotation, axes.transpose() * apart),
             scale,
             axes,
             origin: a.pose.position,
@@ -59,7 +63,7 @@ impl<'a> Pair<'a> {
 
     /// A unit vector of the frame in the world.
     pub(super) fn direction_out(&self, direction: DVec3) -> DVec3 {
-        (self.axes * direction).normalize() + DVec3::ZERO
+        (self.axes * direction).try_unit().unwrap_or_default() + DVec3::ZERO
     }
 
     /// A length of the frame in metres; exact.
@@ -80,11 +84,6 @@ impl<'a> Pair<'a> {
 
 fn reach(convex: &Convex) -> f64 {
     convex.core.reach() + convex.radius
-}
-
-/// The rotation of `b` in the axes of `a`; exactly none where both are turned alike.
-fn relative_rotation(a: &Pose, b: &Pose) -> DMat3 {
-    if a.rotation == b.rotation { DMat3::IDENTITY } else { a.matrix().transpose() * b.matrix() }
 }
 
 /// The power of two that takes `extent` into [1, 2); 1 for 0.

@@ -20,7 +20,7 @@ use super::{
     simplex::{Simplex, Vertex},
     warm::Seed,
 };
-use crate::{answer::Stop, tolerance::PAIR_ROUNDING};
+use crate::{answer::Stop, math::Norm, tolerance::PAIR_ROUNDING};
 
 /// Most vertices that join the features of a nearest point once it has settled. One or two do for faces that meet at an
 /// edge; the rest is for slivers and for round hulls.
@@ -54,7 +54,7 @@ impl Gap {
 /// Measures the gap until `is_enough(lower, upper)`, or until the arithmetic gives no more, or the budget is spent.
 pub(super) fn gap(pair: &Pair<'_>, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Gap {
     let toward_a = pair.a.center() - pair.b.center();
-    let simplex = Simplex::of(support(pair, toward_a.try_normalize().unwrap_or(DVec3::X)));
+    let simplex = Simplex::of(support(pair, toward_a.try_unit().unwrap_or(DVec3::X)));
     gap_from(pair, simplex, budget, is_enough)
 }
 
@@ -81,7 +81,7 @@ fn gap_from(pair: &Pair<'_>, simplex: Simplex, budget: u32, is_enough: impl Fn(f
             return search.end(Stop::Converged);
         }
         let nearest = search.simplex.point();
-        let length = nearest.length();
+        let length = nearest.norm();
         if length <= PAIR_ROUNDING {
             return search.end(Stop::Converged);
         }
@@ -144,7 +144,7 @@ impl Search<'_> {
             features = features.grown_or_swapped(&vertex);
         }
         let next = features.nearest();
-        let is_nearer = next.point().length() < length;
+        let is_nearer = next.point().norm() < length;
         if is_nearer {
             self.simplex = next;
         }
@@ -153,7 +153,7 @@ impl Search<'_> {
 
     fn end(self, stop: Stop) -> Gap {
         let inside = self.simplex.margin().unwrap_or(0.0);
-        let length = if inside > 0.0 { 0.0 } else { self.simplex.point().length() };
+        let length = if inside > 0.0 { 0.0 } else { self.simplex.point().norm() };
         Gap {
             lower: self.lower,
             upper: length + PAIR_ROUNDING,
@@ -171,7 +171,7 @@ impl Search<'_> {
 fn feature_normal(features: &Simplex, toward: DVec3) -> DVec3 {
     let across = match features.vertices() {
         [a, b] => {
-            let along = (b.point - a.point).normalize();
+            let along = (b.point - a.point).try_unit().unwrap_or_default();
             let once = toward - along * along.dot(toward);
             once - along * along.dot(once)
         }
@@ -181,5 +181,5 @@ fn feature_normal(features: &Simplex, toward: DVec3) -> DVec3 {
         }
         _ => toward,
     };
-    across.try_normalize().unwrap_or(toward)
+    across.try_unit().unwrap_or(toward)
 }

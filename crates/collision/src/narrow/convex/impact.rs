@@ -23,6 +23,7 @@ use super::{
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    math::Norm,
     narrow::{ImpactTouch, InitialTouch, Motion},
     tolerance::{PAIR_ROUNDING, STEP_SHORTENING},
 };
@@ -96,7 +97,7 @@ enum Step {
 impl<'a> Search<'a> {
     fn new(placed: [PlacedConvex<'a>; 2], way: DVec3, budget: u32) -> Self {
         let [a, b] = placed;
-        let pair = Pair::new(a, b, way.length());
+        let pair = Pair::new(a, b, way.norm());
         let start = pair.b.position;
         let way = pair.displacement_in(way);
         Self { placed, pair, start, way, budget, iterations: 0 }
@@ -218,7 +219,7 @@ impl<'a> Search<'a> {
         let later = simplex.moved(self.way * ahead);
         let radius = self.pair.radius();
         if radius > 0.0 {
-            return later.point().length() + PAIR_ROUNDING <= radius;
+            return later.point().norm() + PAIR_ROUNDING <= radius;
         }
         let vertices = simplex.vertices();
         if vertices.len() != 3 {
@@ -232,7 +233,7 @@ impl<'a> Search<'a> {
     /// A point between the cores' nearest ones, on the surface of the first form.
     fn point_between(&self, gap: &gjk::Gap) -> DVec3 {
         let (on_a, on_b) = gap.witnesses();
-        let apart = (on_a - on_b).length();
+        let apart = (on_a - on_b).norm();
         let share = if apart > 0.0 { (self.pair.a.radius / apart).min(1.0) } else { 0.0 };
         on_a + (on_b - on_a) * share
     }

@@ -18,7 +18,7 @@
 use glam::DVec3;
 
 use super::{body::Body, frame::Pair};
-use crate::{shape::Core, tolerance::PAIR_ROUNDING};
+use crate::{math::Norm, shape::Core, tolerance::PAIR_ROUNDING};
 
 /// All points within `radius` of a segment about `middle`, in the pair's frame.
 struct Capsule {
@@ -70,5 +70,5 @@ fn segment_distance(a: &Capsule, b: &Capsule) -> f64 {
     let start = if area > 0.0 { ((du * vv - dv * uv) / area).clamp(-1.0, 1.0) } else { 0.0 };
     let on_a = share(share(start * uv - dv, vv) * uv + du, uu);
     let on_b = share(on_a * uv - dv, vv);
-    (apart + v * on_b - u * on_a).length()
+    (apart + v * on_b - u * on_a).norm()
 }

@@ -16,7 +16,7 @@ use super::{
     depth::Touch,
     frame::Pair,
 };
-use crate::{shape::Core, tolerance::FLAT_CONTACT_SINE};
+use crate::{math::Norm, shape::Core, tolerance::FLAT_CONTACT_SINE};
 
 /// A pair of points, on the surfaces of the rounded forms, in the pair's frame.
 pub(super) struct Point {
@@ -105,9 +105,9 @@ impl Facing {
         self.corners.len() > 2 || {
             let [p, q] = [self, other].map(|facing| {
                 let ends = &facing.corners;
-                (ends[ends.len() - 1].point - ends[0].point).normalize_or_zero()
+                (ends[ends.len() - 1].point - ends[0].point).try_unit().unwrap_or_default()
             });
-            other.corners.len() == 2 && other.is_flat && p.cross(q).length() <= FLAT_CONTACT_SINE
+            other.corners.len() == 2 && other.is_flat && p.cross(q).norm() <= FLAT_CONTACT_SINE
         }
     }
 }
@@ -128,7 +128,7 @@ fn clip(reference: &Facing, incident: &Facing, normal: DVec3, side: Side) -> Poi
     let reference_name = corners.iter().map(|corner| short(corner.index)).min().unwrap_or(0);
     let pairs = polygon.into_iter().map(|clipped| {
         let foot = if corners.len() == 2 {
-            let along = (corners[1].point - base).normalize_or_zero();
+            let along = (corners[1].point - base).try_unit().unwrap_or_default();
             base + along * along.dot(clipped.point - base)
         } else {
             clipped.point - normal * normal.dot(clipped.point - base)
@@ -244,8 +244,8 @@ fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
         Core::Triangle(_) => {
             let corners: Corners = (0..3).map(|index| body.corner(index)).collect();
             let [a, b, c] = [0, 1, 2].map(|i: usize| corners[i].point);
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            Facing { is_flat: normal.cross(direction).length() <= FLAT_CONTACT_SINE, corners }
+            let normal = (b - a).cross(c - a).try_unit().unwrap_or_default();
+            Facing { is_flat: normal.cross(direction).norm() <= FLAT_CONTACT_SINE, corners }
         }
     }
 }
@@ -266,7 +266,7 @@ fn cuboid_face(body: &Body<'_>, direction: DVec3) -> Facing {
     let corners = Corners::from_slice(&corners);
     let mut lean = local;
     lean[axis] = 0.0;
-    Facing { corners, is_flat: lean.length() <= FLAT_CONTACT_SINE }
+    Facing { corners, is_flat: lean.norm() <= FLAT_CONTACT_SINE }
 }
 
 fn hull_face(body: &Body<'_>, direction: DVec3) -> Option<Facing> {
@@ -275,5 +275,5 @@ fn hull_face(body: &Body<'_>, direction: DVec3) -> Option<Facing> {
     let best =
         faces.iter().reduce(|best, face| if face.normal.dot(local) > best.normal.dot(local) { face } else { best })?;
     let corners = best.vertices.iter().map(|&vertex| body.corner(vertex)).collect();
-    Some(Facing { corners, is_flat: best.normal.cross(local).length() <= FLAT_CONTACT_SINE })
+    Some(Facing { corners, is_flat: best.normal.cross(local).norm() <= FLAT_CONTACT_SINE })
 }

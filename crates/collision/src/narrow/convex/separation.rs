@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use super::{
-    PlacedConvex, axes,
+    PlacedConvex, axes, boxes,
     frame::Pair,
     gjk::{self, Gap},
     order, touch,
@@ -14,6 +14,7 @@ use super::{
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Feature, Method, Stop, Verdict, Work},
+    math::Norm,
     narrow::Separation,
     tolerance::PAIR_ROUNDING,
 };
@@ -125,6 +126,17 @@ impl Signed {
 /// Bounds of the signed distance, no narrower than it takes to tell whether the pair touches where it is.
 pub(super) fn signed(pair: &Pair<'_>, budget: u32) -> Signed {
     let radius = pair.radius();
+    if radius <= 0.0
+        && let Some(depth) = boxes::depth(pair, PAIR_ROUNDING)
+    {
+        let signed = Signed::new(-depth.upper, -depth.lower, Method::SeparatingAxes, depth.stop, depth.iterations);
+        // Of boxes that are apart the axes prove no more than that.
+        match signed.verdict {
+            Verdict::Miss => return Signed { upper: f64::INFINITY, ..signed },
+            Verdict::Hit => return signed,
+            Verdict::Undecided => {}
+        }
+    }
     let gap = gjk::gap(pair, budget, |lower, upper| lower > radius || upper <= radius);
     signed_gap(pair, &gap)
 }
@@ -175,8 +187,8 @@ fn distance_in_order(
     let verdict = if upper <= limit_in { Verdict::Hit } else { Verdict::Undecided };
     let (on_a, on_b) = gap.witnesses();
     let apart = on_a - on_b;
-    let best = if upper == 0.0 { 0.0 } else { (apart.length() - radius).clamp(lower, upper) };
-    let normal = if gap.normal == DVec3::ZERO { apart.try_normalize() } else { Some(gap.normal) };
+    let best = if upper == 0.0 { 0.0 } else { (apart.norm() - radius).clamp(lower, upper) };
+    let normal = if gap.normal == DVec3::ZERO { apart.try_unit() } else { Some(gap.normal) };
     let (point_on_a, point_on_b) = match normal {
         Some(normal) if best > 0.0 => (on_a - normal * pair.a.radius, on_b + normal * pair.b.radius),
         _ => {
@@ -204,9 +216,9 @@ fn distance_in_order(
 /// A point within both radii of the nearest points of two cores that overlap when rounded.
 fn common_point(on_a: DVec3, on_b: DVec3, radius_a: f64, radius_b: f64) -> DVec3 {
     let apart = on_b - on_a;
-    let length = apart.length();
+    let length = apart.norm();
     let along = ((length + radius_a - radius_b) / 2.0).clamp(0.0, length);
-    on_a + apart.normalize_or_zero() * along
+    on_a + apart.try_unit().unwrap_or_default() * along
 }
 
 impl Separation {

@@ -19,24 +19,28 @@
 use glam::DVec3;
 
 use super::body::Corner;
-use crate::tolerance::CROSS_BLUR;
+use crate::{math::Norm, tolerance::CROSS_BLUR};
 
-/// A vertex of the Minkowski difference `a − b` and where it comes from.
+/// A vertex of the Minkowski difference `a − b` and where it comes from: `b`'s point is that of `a` less the vertex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
     pub(super) point: DVec3,
-    pub(super) on_a: Corner,
-    pub(super) on_b: Corner,
+    pub(super) on_a: DVec3,
+    /// The numbers of the corners of `a` and `b`.
+    pub(super) corners: [u32; 2],
 }
 
 impl Vertex {
+    #[inline]
     pub(super) fn new(on_a: Corner, on_b: Corner) -> Self {
-        Self { point: on_a.point - on_b.point, on_a, on_b }
+        Self { point: on_a.point - on_b.point, on_a: on_a.point, corners: [on_a.index, on_b.index] }
     }
 
     /// Whether both come from the same points of the forms.
+    #[inline]
     pub(super) fn is_same(&self, other: &Self) -> bool {
-        self.on_a.is_same(&other.on_a) && self.on_b.is_same(&other.on_b)
+        self.corners == other.corners
+            && (!self.corners.contains(&Corner::ON_ROUND) || self.point == other.point && self.on_a == other.on_a)
     }
 }
 
@@ -73,7 +77,6 @@ impl Simplex {
     pub(super) fn moved(mut self, way: DVec3) -> Self {
         for vertex in &mut self.vertices[..self.part.count] {
             vertex.point += way;
-            vertex.on_b.point -= way;
         }
         self.nearest()
     }
@@ -89,12 +92,11 @@ impl Simplex {
 
     /// The weighted points of `a` and of `b`.
     pub(super) fn witnesses(&self) -> (DVec3, DVec3) {
-        let mut witnesses = (DVec3::ZERO, DVec3::ZERO);
+        let mut on_a = DVec3::ZERO;
         for (vertex, weight) in self.vertices().iter().zip(self.part.weights) {
-            witnesses.0 += vertex.on_a.point * weight;
-            witnesses.1 += vertex.on_b.point * weight;
+            on_a += vertex.on_a * weight;
         }
-        witnesses
+        (on_a, on_a - self.part.point)
     }
 
     /// Takes `vertex` in and goes to the nearest part, if that brings the point nearer; says whether it did.
@@ -176,12 +178,12 @@ impl Simplex {
 pub(super) fn margin([a, b, c, d]: &[DVec3; 4]) -> Option<f64> {
     let inner = |a: DVec3, b: DVec3, c: DVec3, apex: DVec3| {
         let normal = (b - a).cross(c - a);
-        let blur = CROSS_BLUR * (b - a).length() * (c - a).length();
+        let blur = CROSS_BLUR * (b - a).norm() * (c - a).norm();
         let height = normal.dot(apex - a);
-        if height.abs() <= blur * (apex - a).length() {
+        if height.abs() <= blur * (apex - a).norm() {
             return 0.0;
         }
-        (-height.signum() * normal.dot(a) - blur * a.length()) / (normal.length() + blur)
+        (-height.signum() * normal.dot(a) - blur * a.norm()) / (normal.norm() + blur)
     };
     let (a, b, c, d) = (*a, *b, *c, *d);
     let least = inner(a, b, c, d).min(inner(a, b, d, c)).min(inner(a, c, d, b)).min(inner(b, c, d, a));

@@ -80,7 +80,7 @@ impl Seed {
         let mut corners = [[0; 2]; 4];
         let vertices = simplex.vertices();
         for (slot, vertex) in corners.iter_mut().zip(vertices) {
-            *slot = [vertex.on_a.index, vertex.on_b.index];
+            *slot = vertex.corners;
         }
         Self { corners, count: vertices.len(), normal }
     }
