@@ -142,7 +142,7 @@ impl Best {
 }
 
 /// Half extents in the frame of what is a box, a segment or a point.
-fn half_extents(body: &Body<'_>) -> Option<DVec3> {
+pub(super) fn half_extents(body: &Body<'_>) -> Option<DVec3> {
     match body.core {
         Core::Cuboid { half_extents } => Some(*half_extents * body.scale),
         Core::Segment { half_height } => Some(DVec3::new(0.0, half_height * body.scale, 0.0)),

@@ -134,7 +134,7 @@ impl Touch {
             normal: gap.normal,
             witnesses: Some(gap.witnesses()),
             edges: None,
-            method: Method::Gjk,
+            method: gap.method,
             stop: gap.stop,
             iterations: gap.iterations,
         }

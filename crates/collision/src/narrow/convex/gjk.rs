@@ -17,10 +17,15 @@ use glam::DVec3;
 
 use super::{
     frame::Pair,
+    rods,
     simplex::{Simplex, Vertex},
     warm::Seed,
 };
-use crate::{answer::Stop, math::Norm, tolerance::PAIR_ROUNDING};
+use crate::{
+    answer::{Method, Stop},
+    math::Norm,
+    tolerance::PAIR_ROUNDING,
+};
 
 /// Most vertices that join the features of a nearest point once it has settled. One or two do for faces that meet at an
 /// edge; the rest is for slivers and for round hulls.
@@ -41,6 +46,7 @@ pub(super) struct Gap {
     /// How deep inside a tetrahedron of the difference the origin lies; the cores overlap at least so deep.
     pub(super) inside: f64,
     pub(super) iterations: u32,
+    pub(super) method: Method,
     pub(super) stop: Stop,
 }
 
@@ -53,9 +59,7 @@ impl Gap {
 
 /// Measures the gap until `is_enough(lower, upper)`, or until the arithmetic gives no more, or the budget is spent.
 pub(super) fn gap(pair: &Pair<'_>, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Gap {
-    let toward_a = pair.a.center() - pair.b.center();
-    let simplex = Simplex::of(support(pair, toward_a.try_unit().unwrap_or(DVec3::X)));
-    gap_from(pair, simplex, budget, is_enough)
+    gap_warm(pair, &mut None, budget, is_enough)
 }
 
 /// The same from what an earlier question about the pair found, which what is found now takes the place of.
@@ -65,40 +69,17 @@ pub(super) fn gap_warm(
     budget: u32,
     is_enough: impl Fn(f64, f64) -> bool,
 ) -> Gap {
-    let gap = match seed.and_then(|seed| seed.simplex(pair)) {
-        Some(simplex) => gap_from(pair, simplex, budget, is_enough),
-        None => gap(pair, budget, is_enough),
+    if let Some(gap) = rods::gap(pair) {
+        return gap;
+    }
+    let known = seed.and_then(|seed| seed.simplex(pair));
+    let search = match known {
+        Some(simplex) => Search { pair, simplex, lower: 0.0, normal: DVec3::ZERO, iterations: 0 },
+        None => Search::cold(pair),
     };
+    let gap = search.run(budget, is_enough);
     *seed = Some(Seed::of(&gap));
     gap
-}
-
-fn gap_from(pair: &Pair<'_>, simplex: Simplex, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Gap {
-    let mut search = Search { pair, simplex, lower: 0.0, normal: DVec3::ZERO, iterations: 0 };
-    while search.iterations < budget {
-        search.iterations += 1;
-        if search.simplex.vertices().len() == 4 {
-            return search.end(Stop::Converged);
-        }
-        let nearest = search.simplex.point();
-        let length = nearest.norm();
-        if length <= PAIR_ROUNDING {
-            return search.end(Stop::Converged);
-        }
-        let toward = nearest / length;
-        let vertex = search.raise_lower(toward);
-        if is_enough(search.lower, length + PAIR_ROUNDING) {
-            return search.end(Stop::Tolerance);
-        }
-        if length - search.lower <= 2.0 * PAIR_ROUNDING {
-            return search.end(Stop::Converged);
-        }
-        let is_settled = search.simplex.contains(&vertex) || !search.simplex.advance(&vertex);
-        if is_settled && !search.polish(toward, length) {
-            return search.end(Stop::Converged);
-        }
-    }
-    search.end(Stop::Budget)
 }
 
 /// The vertex of `a − b` that lies least far along `direction`.
@@ -114,7 +95,49 @@ struct Search<'a> {
     iterations: u32,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    /// Begins with the vertex across the line of the middles, and what its plane proves.
+    fn cold(pair: &'a Pair<'a>) -> Self {
+        let toward_a = (pair.a.center() - pair.b.center()).try_unit().unwrap_or(DVec3::X);
+        let first = support(pair, toward_a);
+        let plane = toward_a.dot(first.point) - PAIR_ROUNDING;
+        let (lower, normal) = if plane > 0.0 { (plane, toward_a) } else { (0.0, DVec3::ZERO) };
+        Self { pair, simplex: Simplex::of(first), lower, normal, iterations: 0 }
+    }
+
+    fn run(mut self, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Gap {
+        while self.iterations < budget {
+            self.iterations += 1;
+            if self.simplex.vertices().len() == 4 {
+                return self.end(Stop::Converged);
+            }
+            let nearest = self.simplex.point();
+            let length = nearest.norm();
+            if length <= PAIR_ROUNDING {
+                return self.end(Stop::Converged);
+            }
+            if is_enough(self.lower, length + PAIR_ROUNDING) {
+                return self.end(Stop::Tolerance);
+            }
+            if length - self.lower <= 2.0 * PAIR_ROUNDING {
+                return self.end(Stop::Converged);
+            }
+            let toward = nearest / length;
+            let vertex = self.raise_lower(toward);
+            if is_enough(self.lower, length + PAIR_ROUNDING) {
+                return self.end(Stop::Tolerance);
+            }
+            if length - self.lower <= 2.0 * PAIR_ROUNDING {
+                return self.end(Stop::Converged);
+            }
+            let is_settled = self.simplex.contains(&vertex) || !self.simplex.advance(&vertex);
+            if is_settled && !self.polish(toward, length) {
+                return self.end(Stop::Converged);
+            }
+        }
+        self.end(Stop::Budget)
+    }
+
     /// Proves what the plane across `direction` can prove, and returns its vertex.
     fn raise_lower(&mut self, direction: DVec3) -> Vertex {
         let vertex = support(self.pair, direction);
@@ -162,6 +185,7 @@ impl Search<'_> {
             simplex: self.simplex,
             inside,
             iterations: self.iterations,
+            method: Method::Gjk,
             stop,
         }
     }

@@ -20,6 +20,7 @@ mod impact;
 mod inscribed;
 mod manifold;
 mod order;
+mod rods;
 mod separation;
 mod simplex;
 mod touch;

@@ -147,7 +147,7 @@ fn signed_gap(pair: &Pair<'_>, gap: &Gap) -> Signed {
     let is_inside = gap.inside > PAIR_ROUNDING;
     let lower = if gap.lower > 0.0 { gap.lower - radius } else { f64::NEG_INFINITY };
     let upper = if is_inside { PAIR_ROUNDING - gap.inside - radius } else { gap.upper - radius };
-    let by_gap = Signed::new(lower, upper, Method::Gjk, gap.stop, gap.iterations);
+    let by_gap = Signed::new(lower, upper, gap.method, gap.stop, gap.iterations);
     if by_gap.verdict != Verdict::Undecided || gap.stop == Stop::Budget || gap.lower > 0.0 && radius > 0.0 {
         return by_gap;
     }
