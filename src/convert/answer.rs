@@ -9,7 +9,7 @@ use wire::v1 as pb;
 
 use super::{
     place::{number_out, vec3_out},
-    question::shape_not_found,
+    question::{half_space_subject, shape_not_found},
 };
 use crate::{
     deadline::Deadline,
@@ -102,6 +102,10 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
     match error {
         QuestionError::SubjectNotFound(id) => shape_not_found("subject.id", id.get(), tick),
         QuestionError::AgainstNotFound(id) => shape_not_found("against.id", id.get(), tick),
+        QuestionError::SubjectUnbounded(id) => {
+            let field = if id.is_some() { "subject.id" } else { "subject.geometry" };
+            half_space_subject(field)
+        }
         QuestionError::NeedsDecomposition(id) => {
             let with = id.map_or_else(|| "the geometry in against".to_owned(), |id| format!("shape {id}"));
             let what = format!(

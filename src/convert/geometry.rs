@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use collision::{
     DVec3,
-    shape::{Convex, Core, Form, Geometry, GeometryError, Mesh},
+    shape::{Convex, Core, Form, Geometry, GeometryError, HalfSpace, Mesh},
 };
 use wire::v1::{self as pb, geometry::Kind};
 
@@ -69,29 +69,34 @@ fn bare(sent: &pb::Geometry) -> Checked<Geometry> {
         None => Err(Problem::at(
             "kind",
             Reason::Missing,
-            "is absent: a geometry is a point, sphere, box, capsule, hull, mesh or geometry_id, such as \
-             {\"sphere\": {\"radius\": 1}}",
+            "is absent: a geometry is a point, sphere, box, capsule, cylinder, cone, ellipsoid, hull, half_space, mesh or \
+             geometry_id, such as {\"sphere\": {\"radius\": 1}}",
         )),
         Some(Kind::Point(pb::Point {})) => Ok(Geometry::point()),
         Some(Kind::Sphere(sphere)) => made("sphere", Geometry::sphere(sphere.radius)),
-        Some(Kind::Box(cuboid)) => {
-            let half = cuboid.half_extents.unwrap_or_default();
-            made("box", Geometry::cuboid(DVec3::new(half.x, half.y, half.z)))
-        }
+        Some(Kind::Box(cuboid)) => made("box", Geometry::cuboid(vector(cuboid.half_extents))),
         Some(Kind::Capsule(capsule)) => made("capsule", Geometry::capsule(capsule.half_height, capsule.radius)),
+        Some(Kind::Cylinder(cylinder)) => made("cylinder", Geometry::cylinder(cylinder.half_height, cylinder.radius)),
+        Some(Kind::Cone(cone)) => made("cone", Geometry::cone(cone.half_height, cone.radius)),
+        Some(Kind::Ellipsoid(ellipsoid)) => made("ellipsoid", Geometry::ellipsoid(vector(ellipsoid.radii))),
+        Some(Kind::HalfSpace(space)) => {
+            let normal = space.normal.map_or(DVec3::Y, |normal| vector(Some(normal)));
+            made("half_space", Geometry::half_space(normal, space.offset))
+        }
         Some(Kind::Hull(hull)) => {
             let points = points("points", &hull.points).under("hull")?;
             made("hull", Geometry::hull(&points))
         }
         Some(Kind::Mesh(mesh)) => triangles(mesh).under("mesh"),
-        Some(Kind::Cylinder(_)) => Err(not_yet("cylinder", "place the hull of a prism of many sides")),
-        Some(Kind::Cone(_)) => Err(not_yet("cone", "place the hull of a pyramid of many sides")),
-        Some(Kind::Ellipsoid(_)) => Err(not_yet("ellipsoid", "place a hull of points on it, or a capsule")),
-        Some(Kind::HalfSpace(_)) => Err(not_yet("half_space", "place a large box below the plane")),
         Some(Kind::HeightField(_)) => Err(not_yet("height_field", "place a mesh of two triangles for each cell")),
         Some(Kind::Compound(_)) => Err(not_yet("compound", "place one shape for each part, all of one group")),
         Some(Kind::GeometryId(_)) => Err(Problem::at("geometry_id", Reason::BadGeometry, "names another geometry")),
     }
+}
+
+/// A vector whose absence is 0; its numbers are checked by what is made of it.
+fn vector(sent: Option<pb::Vec3>) -> DVec3 {
+    sent.map_or(DVec3::ZERO, |sent| DVec3::new(sent.x, sent.y, sent.z))
 }
 
 /// With the rounding and the scale that were sent.
@@ -175,11 +180,17 @@ fn not_yet(field: &'static str, meanwhile: &str) -> Problem {
     Problem::at(field, Reason::NotYet, what)
 }
 
+/// Whether a geometry is a half space.
+pub(crate) fn is_half_space(geometry: &Geometry) -> bool {
+    matches!(geometry.form(), Form::HalfSpace(_))
+}
+
 /// A geometry as a shape's: simple forms in place, hulls and meshes by id.
 pub(crate) fn geometry_out(geometry: &Geometry) -> pb::Geometry {
     let (kind, rounding) = match geometry.form() {
         Form::Convex(convex) => convex_out(convex).unwrap_or_else(|| (by_id(geometry), 0.0)),
         Form::Mesh(_) => (by_id(geometry), 0.0),
+        Form::HalfSpace(space) => (half_space_out(space), 0.0),
     };
     pb::Geometry { kind: Some(kind), rounding, scale: None }
 }
@@ -188,24 +199,29 @@ fn by_id(geometry: &Geometry) -> Kind {
     Kind::GeometryId(id_text(geometry.id()))
 }
 
+fn half_space_out(space: &HalfSpace) -> Kind {
+    let normal = Some(vector_out(space.normal));
+    Kind::HalfSpace(pb::HalfSpace { normal, offset: space.offset })
+}
+
+fn vector_out(vector: DVec3) -> pb::Vec3 {
+    pb::Vec3 { x: vector.x, y: vector.y, z: vector.z }
+}
+
 fn convex_out(convex: &Convex) -> Option<(Kind, f64)> {
     let radius = convex.radius;
     match &convex.core {
         Core::Point if radius > 0.0 => Some((Kind::Sphere(pb::Sphere { radius }), 0.0)),
         Core::Point => Some((Kind::Point(pb::Point {}), 0.0)),
         &Core::Segment { half_height } => Some((Kind::Capsule(pb::Capsule { half_height, radius }), 0.0)),
-        Core::Cuboid { half_extents: half } => {
-            let half_extents = Some(pb::Vec3 { x: half.x, y: half.y, z: half.z });
-            Some((Kind::Box(pb::Cuboid { half_extents }), radius))
+        &Core::Cuboid { half_extents } => {
+            Some((Kind::Box(pb::Cuboid { half_extents: Some(vector_out(half_extents)) }), radius))
         }
         &Core::Cylinder { half_height, radius } => {
             Some((Kind::Cylinder(pb::Cylinder { half_height, radius }), convex.radius))
         }
         &Core::Cone { half_height, radius } => Some((Kind::Cone(pb::Cone { half_height, radius }), convex.radius)),
-        Core::Ellipsoid { radii } => {
-            let radii = Some(pb::Vec3 { x: radii.x, y: radii.y, z: radii.z });
-            Some((Kind::Ellipsoid(pb::Ellipsoid { radii }), radius))
-        }
+        &Core::Ellipsoid { radii } => Some((Kind::Ellipsoid(pb::Ellipsoid { radii: Some(vector_out(radii)) }), radius)),
         Core::Hull(_) | Core::Triangle(_) => None,
     }
 }
@@ -218,6 +234,7 @@ pub(crate) fn info_out(geometry: &Geometry, shape_count: u64) -> Checked<pb::Geo
     let (vertex_count, face_count, warnings) = match geometry.form() {
         Form::Convex(convex) => (convex_vertex_count(&convex.core), 0, Vec::new()),
         Form::Mesh(mesh) => (mesh.vertices().len(), mesh.triangles().len(), mesh_warnings(mesh)),
+        Form::HalfSpace(_) => (0, 0, Vec::new()),
     };
     Ok(pb::GeometryInfo {
         geometry_id: id_text(geometry.id()),

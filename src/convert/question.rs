@@ -10,10 +10,10 @@ use collision::{
     shape::Geometry,
     world::{Distance, Filter, HitMode, Overlap, Penetration, Raycast, Snapshot, Subject, Tick, TimeOfImpact},
 };
-use wire::v1::{self as pb, read_at::At, subject::Form};
+use wire::v1::{self as pb, geometry::Kind, read_at::At, subject::Form};
 
 use super::{
-    geometry::of_question,
+    geometry::{is_half_space, of_question},
     number::{REACH, at_most, count, finite, shape_id, time, unknown_enum, within},
     place::{direction, pose, position},
 };
@@ -243,7 +243,25 @@ fn subject(sent: Option<&pb::Subject>, known: &Geometries) -> Checked<Subject> {
                     point at the origin";
         return Err(Problem::at("subject", Reason::Missing, what));
     };
-    some_subject(sent, known).under("subject")
+    subject_with_bounds(sent, known).under("subject")
+}
+
+/// Only what a question is asked against may be a half space.
+fn subject_with_bounds(sent: &pb::Subject, known: &Geometries) -> Checked<Subject> {
+    let subject = some_subject(sent, known)?;
+    match (&subject, &sent.form) {
+        (Subject::Geometry { geometry, .. }, Some(Form::Geometry(form))) if is_half_space(geometry) => {
+            let is_named = matches!(form.kind, Some(Kind::GeometryId(_)));
+            Err(half_space_subject(if is_named { "geometry.geometry_id" } else { "geometry.half_space" }))
+        }
+        _ => Ok(subject),
+    }
+}
+
+/// What is said of a subject that is a half space.
+pub(crate) fn half_space_subject(field: &'static str) -> Problem {
+    let what = "is a half space: only `against` and shapes of the world may be one; ask about the other form";
+    Problem::at(field, Reason::BadGeometry, what)
 }
 
 fn against(sent: Option<&pb::Subject>, known: &Geometries) -> Checked<Option<Subject>> {

@@ -41,7 +41,8 @@ pub(crate) struct Raycast {
 #[derive(Debug, Args)]
 #[command(after_help = "Example: calipers overlap capsule:0.6,0.3 --at 4,0.9,-2")]
 pub(crate) struct Overlap {
-    /// The form: sphere:RADIUS, box:HX,HY,HZ (half extents) or capsule:HALF_HEIGHT,RADIUS (along y), in metres
+    /// The form: sphere:RADIUS, box:HX,HY,HZ (half extents), capsule:, cylinder: or cone:HALF_HEIGHT,RADIUS (along y) or
+    /// ellipsoid:RX,RY,RZ (half axes), in metres
     #[arg(value_name = "FORM")]
     form: Form,
     /// Where its centre is

@@ -8,16 +8,20 @@ use calipers_client::{geometry, proto};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Triple(pub(crate) [f64; 3]);
 
-/// A form, written `sphere:RADIUS`, `box:HX,HY,HZ` or `capsule:HALF_HEIGHT,RADIUS`, in metres.
+/// A form, written as in [`FORMS`], in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Form {
     Sphere(f64),
     Box([f64; 3]),
     Capsule { half_height: f64, radius: f64 },
+    Cylinder { half_height: f64, radius: f64 },
+    Cone { half_height: f64, radius: f64 },
+    Ellipsoid([f64; 3]),
 }
 
 /// What the forms look like, for sentences about wrong ones.
-const FORMS: &str = "sphere:RADIUS, box:HX,HY,HZ (half extents) or capsule:HALF_HEIGHT,RADIUS";
+const FORMS: &str = "sphere:RADIUS, box:HX,HY,HZ (half extents), capsule:HALF_HEIGHT,RADIUS, cylinder:HALF_HEIGHT,RADIUS, \
+                     cone:HALF_HEIGHT,RADIUS or ellipsoid:RX,RY,RZ (half axes)";
 
 impl FromStr for Triple {
     type Err = String;
@@ -40,7 +44,10 @@ impl FromStr for Form {
             ("sphere", &[radius]) => Ok(Self::Sphere(radius)),
             ("box", &[x, y, z]) => Ok(Self::Box([x, y, z])),
             ("capsule", &[half_height, radius]) => Ok(Self::Capsule { half_height, radius }),
-            ("sphere" | "box" | "capsule", _) => {
+            ("cylinder", &[half_height, radius]) => Ok(Self::Cylinder { half_height, radius }),
+            ("cone", &[half_height, radius]) => Ok(Self::Cone { half_height, radius }),
+            ("ellipsoid", &[x, y, z]) => Ok(Self::Ellipsoid([x, y, z])),
+            ("sphere" | "box" | "capsule" | "cylinder" | "cone" | "ellipsoid", _) => {
                 Err(format!("{} numbers do not make a {name}; a form is {FORMS}", sizes.len()))
             }
             _ => Err(format!("{name:?} is no form that can be written here; a form is {FORMS}")),
@@ -55,6 +62,9 @@ impl Form {
             Self::Sphere(radius) => geometry::sphere(radius),
             Self::Box(half_extents) => geometry::cuboid(half_extents),
             Self::Capsule { half_height, radius } => geometry::capsule(half_height, radius),
+            Self::Cylinder { half_height, radius } => geometry::cylinder(half_height, radius),
+            Self::Cone { half_height, radius } => geometry::cone(half_height, radius),
+            Self::Ellipsoid(radii) => geometry::ellipsoid(radii),
         }
     }
 }
@@ -86,7 +96,10 @@ mod tests {
         assert_eq!("sphere:1.5".parse(), Ok(Form::Sphere(1.5)));
         assert_eq!("box:59,42,18".parse(), Ok(Form::Box([59.0, 42.0, 18.0])));
         assert_eq!("capsule:1,0.5".parse(), Ok(Form::Capsule { half_height: 1.0, radius: 0.5 }));
-        for wrong in ["sphere", "sphere:1,2", "cone:1,2", "box:1,2", "capsule:inf,1"] {
+        assert_eq!("cylinder:1,0.5".parse(), Ok(Form::Cylinder { half_height: 1.0, radius: 0.5 }));
+        assert_eq!("cone:1,0.5".parse(), Ok(Form::Cone { half_height: 1.0, radius: 0.5 }));
+        assert_eq!("ellipsoid:1,2,3".parse(), Ok(Form::Ellipsoid([1.0, 2.0, 3.0])));
+        for wrong in ["sphere", "sphere:1,2", "torus:1,2", "box:1,2", "cone:1", "ellipsoid:1,2", "capsule:inf,1"] {
             assert!(wrong.parse::<Form>().is_err(), "{wrong}");
         }
     }

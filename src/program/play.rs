@@ -30,7 +30,8 @@ pub(crate) struct Play {
     /// The trace
     #[arg(value_name = "TRACE.csv[.gz]")]
     file: PathBuf,
-    /// The form of a kind of actors: NAME=sphere:RADIUS, NAME=box:HX,HY,HZ or NAME=capsule:HALF_HEIGHT,RADIUS
+    /// The form of a kind of actors: NAME=sphere:RADIUS, NAME=box:HX,HY,HZ, NAME=capsule:HALF_HEIGHT,RADIUS,
+    /// NAME=cylinder:HALF_HEIGHT,RADIUS, NAME=cone:HALF_HEIGHT,RADIUS or NAME=ellipsoid:RX,RY,RZ
     #[arg(long = "kind", value_name = "NAME=FORM", required = true)]
     kinds: Vec<Kind>,
     /// Times real time, or "max" for as fast as the server takes it

@@ -10,7 +10,7 @@ fn a_command_line_that_is_not_understood_is_exit_2_with_a_sentence() {
         (&["raycast", "1,2,inf", "0,0,1"], "\"inf\" is not a finite number"),
         (&["raycast", "1,2,3"], "<DX,DY,DZ>"),
         (&["overlap", "sphere"], "a form is sphere:RADIUS"),
-        (&["overlap", "cone:1,2"], "\"cone\" is no form"),
+        (&["overlap", "torus:1,2"], "\"torus\" is no form"),
         (&["overlap", "box:1,2"], "2 numbers do not make a box"),
         (&["play", "trace.csv"], "--kind"),
         (&["play", "trace.csv", "--kind", "car"], "a kind is NAME=FORM"),

@@ -2,7 +2,7 @@
 
 use wire::v1::{self as pb, geometry::Kind};
 
-use crate::harness::{Bench, Refusal, assert_invalid, at, cuboid, geometry, insert, shape, sphere};
+use crate::harness::{Bench, Refusal, assert_invalid, at, cuboid, geometry, insert, shape, sphere, vec3};
 
 fn mesh(vertices: &[f32], indices: &[u32]) -> pb::TriangleMesh {
     pb::TriangleMesh { vertices: vertices.to_vec(), indices: indices.to_vec(), ..pb::TriangleMesh::default() }
@@ -40,6 +40,34 @@ fn wrong_numbers() -> Vec<(pb::Geometry, Refusal)> {
     ]
 }
 
+fn wrong_round_forms_and_half_spaces() -> Vec<(pb::Geometry, Refusal)> {
+    let cylinder = |half_height, radius| geometry(Kind::Cylinder(pb::Cylinder { half_height, radius }));
+    let cone = |half_height, radius| geometry(Kind::Cone(pb::Cone { half_height, radius }));
+    let ellipsoid = |x: f64, y: f64, z: f64| geometry(Kind::Ellipsoid(pb::Ellipsoid { radii: Some(vec3(x, y, z)) }));
+    let half_space =
+        |normal: pb::Vec3, offset| geometry(Kind::HalfSpace(pb::HalfSpace { normal: Some(normal), offset }));
+    vec![
+        (cylinder(1.0, 0.0), ("OUT_OF_LIMITS", "geometry.cylinder.radius", &["is 0", "1e-9", "capsule"])),
+        (cylinder(f64::NAN, 1.0), ("NOT_FINITE", "geometry.cylinder.half_height", &["is NaN"])),
+        (
+            geometry(Kind::Cylinder(pb::Cylinder::default())),
+            ("OUT_OF_LIMITS", "geometry.cylinder.half_height", &["is 0"]),
+        ),
+        (cone(0.0, 1.0), ("OUT_OF_LIMITS", "geometry.cone.half_height", &["is 0", "1e9"])),
+        (cone(1.0, f64::INFINITY), ("NOT_FINITE", "geometry.cone.radius", &["is inf"])),
+        (ellipsoid(1.0, 0.0, 1.0), ("OUT_OF_LIMITS", "geometry.ellipsoid.radii.y", &["is 0", "1e-9"])),
+        (ellipsoid(1.0, 1.0, f64::NAN), ("NOT_FINITE", "geometry.ellipsoid.radii.z", &["is NaN"])),
+        (ellipsoid(1e-3, 1.0, 1.1e3), ("BAD_GEOMETRY", "geometry.ellipsoid.radii", &["0.001 to 1100", "1e6"])),
+        (
+            geometry(Kind::Ellipsoid(pb::Ellipsoid::default())),
+            ("OUT_OF_LIMITS", "geometry.ellipsoid.radii.x", &["is 0"]),
+        ),
+        (half_space(vec3(0.0, 0.0, 0.0), 1.0), ("BAD_GEOMETRY", "geometry.half_space.normal", &["is 0", "direction"])),
+        (half_space(vec3(0.0, f64::NAN, 0.0), 1.0), ("NOT_FINITE", "geometry.half_space.normal.y", &["is NaN"])),
+        (half_space(vec3(0.0, 1.0, 0.0), 2e12), ("OUT_OF_LIMITS", "geometry.half_space.offset", &["1e12"])),
+    ]
+}
+
 fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
     let triangle = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     vec![
@@ -61,10 +89,6 @@ fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
         ),
         (pb::Geometry { scale: Some(0.0), ..sphere(1.0) }, ("OUT_OF_LIMITS", "geometry.scale", &["above 0"])),
         (geometry(Kind::GeometryId("beef".to_owned())), ("GEOMETRY_NOT_FOUND", "geometry.geometry_id", &["\"beef\""])),
-        (geometry(Kind::Cylinder(pb::Cylinder::default())), ("NOT_YET", "geometry.cylinder", &["meanwhile"])),
-        (geometry(Kind::Cone(pb::Cone::default())), ("NOT_YET", "geometry.cone", &["meanwhile"])),
-        (geometry(Kind::Ellipsoid(pb::Ellipsoid::default())), ("NOT_YET", "geometry.ellipsoid", &["meanwhile"])),
-        (geometry(Kind::HalfSpace(pb::HalfSpace::default())), ("NOT_YET", "geometry.half_space", &["meanwhile"])),
         (geometry(Kind::HeightField(pb::HeightField::default())), ("NOT_YET", "geometry.height_field", &["meanwhile"])),
         (geometry(Kind::Compound(pb::Compound::default())), ("NOT_YET", "geometry.compound", &["meanwhile"])),
     ]
@@ -73,7 +97,9 @@ fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
 #[tokio::test]
 async fn wrong_geometries_are_refused_wherever_they_stand() {
     let mut bench = Bench::start().await;
-    for (wrong, refusal) in wrong_numbers().into_iter().chain(unserved_and_dressed()) {
+    for (wrong, refusal) in
+        wrong_numbers().into_iter().chain(wrong_round_forms_and_half_spaces()).chain(unserved_and_dressed())
+    {
         let request = pb::CreateGeometryRequest { session: String::new(), geometry: Some(wrong.clone()) };
         let status = bench.geometries.create_geometry(request).await.unwrap_err();
         assert_invalid(&status, refusal);

@@ -20,6 +20,38 @@ pub fn capsule(half_height: f64, radius: f64) -> proto::Geometry {
     of(Kind::Capsule(proto::Capsule { half_height, radius }))
 }
 
+/// A cylinder along y about the local origin, `half_height` to each end.
+pub fn cylinder(half_height: f64, radius: f64) -> proto::Geometry {
+    of(Kind::Cylinder(proto::Cylinder { half_height, radius }))
+}
+
+/// A cone along y: its base of `radius` at −`half_height`, its apex at +`half_height`.
+pub fn cone(half_height: f64, radius: f64) -> proto::Geometry {
+    of(Kind::Cone(proto::Cone { half_height, radius }))
+}
+
+/// An ellipsoid about the local origin, given by its half axes along x, y and z.
+pub fn ellipsoid(radii: [f64; 3]) -> proto::Geometry {
+    of(Kind::Ellipsoid(proto::Ellipsoid { radii: Some(vec3(radii)) }))
+}
+
+/// All points `p` with `dot(normal / |normal|, p) <= offset`; `normal` points outwards and may have any length but 0. It
+/// can be a shape of the world, or what a question is asked against, but not its subject.
+pub fn half_space(normal: [f64; 3], offset: f64) -> proto::Geometry {
+    of(Kind::HalfSpace(proto::HalfSpace { normal: Some(vec3(normal)), offset }))
+}
+
+/// The same form with all points within `rounding` of it: any kind but a mesh.
+///
+/// ```
+/// use calipers_client::geometry;
+/// let dice = geometry::rounded(geometry::cuboid([0.9, 0.9, 0.9]), 0.1);
+/// assert_eq!(dice.rounding, 0.1);
+/// ```
+pub fn rounded(geometry: proto::Geometry, rounding: f64) -> proto::Geometry {
+    proto::Geometry { rounding, ..geometry }
+}
+
 /// The convex hull of points.
 ///
 /// ```

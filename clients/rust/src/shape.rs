@@ -38,6 +38,26 @@ pub fn capsule(id: u64, half_height: f64, radius: f64) -> Builder {
     of(id, geometry::capsule(half_height, radius))
 }
 
+/// A cylinder along its local y.
+pub fn cylinder(id: u64, half_height: f64, radius: f64) -> Builder {
+    of(id, geometry::cylinder(half_height, radius))
+}
+
+/// A cone along its local y, the apex up.
+pub fn cone(id: u64, half_height: f64, radius: f64) -> Builder {
+    of(id, geometry::cone(half_height, radius))
+}
+
+/// An ellipsoid, given by its half axes.
+pub fn ellipsoid(id: u64, radii: [f64; 3]) -> Builder {
+    of(id, geometry::ellipsoid(radii))
+}
+
+/// Everything below a plane, given by its outward normal and where it cuts that, in the shape's own frame.
+pub fn half_space(id: u64, normal: [f64; 3], offset: f64) -> Builder {
+    of(id, geometry::half_space(normal, offset))
+}
+
 /// A convex hull of points in the shape's own frame.
 pub fn hull(id: u64, points: impl IntoIterator<Item = [f32; 3]>) -> Builder {
     of(id, geometry::hull(points))

@@ -123,6 +123,24 @@ pub const EXACT_MEETING: f64 = 32.0 * ROUNDING;
 /// only visits more nodes. Pinned by `what_ends_at_the_limit_is_still_offered` in `world/raycast.rs`.
 pub const LIMIT_WIDENING: f64 = 1.0 + 64.0 * ROUNDING;
 
+/// How far the height of a point above a plane may be from the exact one, as a part of the sum of the sizes that make it up
+/// (the components of the difference of positions, and the offset), before it is rounded to one f64: 256·2⁻¹⁰⁶. Each
+/// operation in numbers of twice the length is off by 16·2⁻¹⁰⁶ at most, most by 3 to 5. A turned normal is the product of
+/// 3 of them in a row and 5 sums, a unit one of a root and a quotient more: 100 in all; the height adds a product and 3
+/// sums. Larger: wider intervals, at heights below 2⁻⁹⁸ of the way only. Smaller: one might miss the truth. Pinned by
+/// `a_turned_normal_is_right_to_twice_the_digits` in `narrow/half_space/plane.rs`.
+pub const TWOFOLD_HEIGHT: f64 = 256.0 * ROUNDING * ROUNDING;
+
+/// What the lowest point of an unturned form along a unit normal costs, as a part of its reach: the normal is the nearest to
+/// the true one (1, as a vector), the dot product has 3 roundings, and so has the comparison that chose the corner; the
+/// point of a round core has 6. Larger: wider intervals. Smaller: one might miss the truth. Pinned by
+/// `intervals_hold_the_exact_height` in `tests/convex/half_space.rs`.
+pub const LOWEST_POINT: f64 = 16.0 * ROUNDING;
+
+/// The same for a turned form: the entries of its rotation are right to 32 roundings, 3 of √3 of them make 104 as a vector,
+/// with the roundings of the product; 16 more as in [`LOWEST_POINT`]. Pinned likewise.
+pub const TURNED_LOWEST_POINT: f64 = 128.0 * ROUNDING;
+
 /// One form's pose in the frame of another is off by less than this part of their distance and reach: 111 roundings for a
 /// position turned into the frame, and 4 · 30 · √3 for the product of two rounded unit quaternions as a rotation, 319
 /// together. Larger: more triangles are looked at; smaller: one might not be. Test: `pieces_laws.rs`, exact touch.

@@ -3,7 +3,7 @@
 use collision::{
     DQuat, DVec3,
     math::{Pose, expansion::Expansion},
-    shape::Geometry,
+    shape::{Geometry, Limits},
 };
 
 /// A small repeatable sequence of whole numbers.
@@ -104,4 +104,22 @@ fn reach_is_not_below_the_exact_one() {
         excess.add(-(exact as f64));
         assert!(excess.estimate() >= 0.0 && reach <= (exact as f64).sqrt() * (1.0 + 1e-14), "{point}");
     }
+}
+
+#[test]
+fn the_box_of_a_half_space_ends_at_its_plane_if_that_is_along_the_axes() {
+    let most = Limits::HALF_SPACE_BOX;
+    let floor = Geometry::half_space(DVec3::Y * 0.3, 0.1).expect("a half space");
+    let bounds = floor.bounds(&Pose::at(DVec3::new(5.0, 0.2, 1e12)));
+    assert_eq!((bounds.min, bounds.max.x, bounds.max.z), (DVec3::splat(-most), most, most));
+    assert!(excess(bounds.max.y, 0.2, 1, 0) >= 0.1 && bounds.max.y <= 0.3_f64.next_up());
+    let wall = Geometry::half_space(DVec3::NEG_X, 2.0).expect("a half space").bounds(&Pose::at(DVec3::X));
+    assert_eq!((wall.min.x, wall.max), (-1.0, DVec3::splat(most)));
+    let whole = [DVec3::splat(-most), DVec3::splat(most)];
+    let slope = Geometry::half_space(DVec3::new(1e-9, 1.0, 0.0), 0.0).expect("a half space");
+    let turned = floor.bounds(&Pose::new(DVec3::ZERO, DQuat::from_rotation_y(0.1)));
+    for bounds in [slope.bounds(&Pose::IDENTITY), turned] {
+        assert_eq!([bounds.min, bounds.max], whole);
+    }
+    assert!(floor.reach().is_finite() && floor.reach() >= most);
 }

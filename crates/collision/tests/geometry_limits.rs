@@ -26,6 +26,12 @@ fn errors_name_field_and_component() {
     assert!(said(Geometry::hull(&[])).starts_with("points: is empty"));
     assert!(said(Geometry::hull(&[DVec3::ZERO, v(0.0, 0.0, f64::NAN)])).starts_with("points[1].z is NaN"));
     assert!(said(Geometry::hull(&[v(-2e12, 0.0, 0.0)])).starts_with("points[0].x is -2000000000000"));
+    assert_eq!(said(Geometry::half_space(DVec3::ZERO, 0.0)), "normal: is 0: it must have a direction, of any length");
+    assert!(said(Geometry::half_space(v(0.0, f64::NAN, 1.0), 0.0)).starts_with("normal.y is NaN"));
+    assert!(said(Geometry::half_space(DVec3::Y, f64::INFINITY)).starts_with("offset is inf"));
+    assert!(
+        said(Geometry::half_space(DVec3::Y, -2e12)).starts_with("offset is -2000000000000: it must be within 1e12")
+    );
     assert_eq!(said(Geometry::hull(&vec![DVec3::ONE; 65_537])), "points has 65537 items: at most 65536 are allowed");
 }
 
@@ -59,6 +65,11 @@ fn scaling_and_rounding_stay_within_the_limits() {
     assert!(said(Geometry::hull(&[DVec3::ONE]).and_then(|hull| hull.scaled(1e13))).starts_with("scale"));
     assert!(said(Geometry::point().rounded(-1.0)).starts_with("rounding is -1"));
     assert!(said(Geometry::sphere(9e8).and_then(|ball| ball.rounded(9e8))).starts_with("rounding is 1800000000"));
+    let far = || Geometry::half_space(DVec3::Y, 1e12);
+    assert!(
+        said(far().and_then(|space| space.rounded(1.0))).starts_with("rounding is 1: it must be such that the offset")
+    );
+    assert!(said(far().and_then(|space| space.scaled(2.0))).starts_with("scale is 2: it must be such that the offset"));
 }
 
 #[test]
@@ -70,6 +81,10 @@ fn equal_forms_have_equal_ids() -> Result<(), GeometryError> {
     assert_ne!(ball.id(), Geometry::sphere(2.0_f64.next_up())?.id());
     assert_eq!(Geometry::cuboid(DVec3::new(1.0, 0.0, 1.0))?.id(), Geometry::cuboid(DVec3::new(1.0, -0.0, 1.0))?.id());
     assert_ne!(Geometry::cuboid(DVec3::new(1.0, 2.0, 1.0))?.id(), Geometry::cuboid(DVec3::new(2.0, 1.0, 1.0))?.id());
+    let floor = Geometry::half_space(DVec3::Y * 2.0, 1.5)?;
+    assert_eq!(floor.id(), Geometry::half_space(DVec3::new(-0.0, 2.0, 0.0), 1.0)?.rounded(0.5)?.id());
+    assert_eq!(floor.id(), Geometry::half_space(DVec3::Y * 2.0, 3.0)?.scaled(0.5)?.id());
+    assert_ne!(floor.id(), Geometry::half_space(DVec3::Y, 1.5)?.id(), "the normal counts as it was sent");
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
     let signed = [-DVec3::ZERO, DVec3::X, DVec3::Y];
     let mesh = Geometry::mesh(&corners, &[[0, 1, 2]])?;

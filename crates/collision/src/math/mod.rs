@@ -7,8 +7,9 @@ pub mod exact;
 pub mod expansion;
 mod norm;
 mod pose;
+pub mod twofold;
 
 pub use aabb::Aabb;
-pub use direction::try_unit;
+pub use direction::{scaled_by_power_of_two, try_unit};
 pub use norm::Norm;
 pub use pose::Pose;

@@ -4,6 +4,7 @@
 //! for the numbers sent, and never returns NaN. Results are symmetric: swapping the arguments swaps the answer.
 
 mod convex;
+mod half_space;
 mod pieces;
 mod ray;
 
@@ -35,7 +36,7 @@ impl<'a> Placed<'a> {
     fn as_convex(&self) -> Option<PlacedConvex<'a>> {
         match self.geometry.form() {
             Form::Convex(convex) => Some(PlacedConvex { convex, pose: self.pose }),
-            Form::Mesh(_) => None,
+            Form::Mesh(_) | Form::HalfSpace(_) => None,
         }
     }
 }
@@ -128,6 +129,9 @@ pub struct ImpactTouch {
 
 /// How far apart `a` and `b` are. `None` if that is proved to be beyond `limit` metres.
 pub fn distance(a: Placed<'_>, b: Placed<'_>, limit: f64, accuracy: &Accuracy, work: &mut Work) -> Option<Separation> {
+    if let Some(pair) = half_space::Pair::of(&a, &b) {
+        return pair.distance(limit, work);
+    }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::distance(a, b, limit, accuracy, work),
         _ => pieces::distance(a, b, limit, accuracy, work),
@@ -143,6 +147,9 @@ pub fn distance_warm(
     warm: &mut Warm,
     work: &mut Work,
 ) -> Option<Separation> {
+    if let Some(pair) = half_space::Pair::of(&a, &b) {
+        return pair.distance(limit, work);
+    }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::distance_warm(a, b, limit, accuracy, warm, work),
         _ => pieces::distance(a, b, limit, accuracy, work),
@@ -151,13 +158,16 @@ pub fn distance_warm(
 
 /// Whether `a` and `b` touch; the bound is that of the signed distance, often one-sided.
 pub fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
+    if let Some(pair) = half_space::Pair::of(&a, &b) {
+        return pair.overlap(work);
+    }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::overlap(a, b, accuracy, work),
         _ => pieces::overlap(a, b, accuracy, work),
     }
 }
 
-/// Whether two convex geometries come within `margin` metres (at least 0) of each other; `None` if one is a mesh, whose
+/// Whether two convex geometries, or a half space and any form, come within `margin` metres (at least 0) of each other; otherwise `None` if one is a mesh, whose
 /// answer is that of [`distance`] with `margin` for its limit. The work ends as soon as this is proved either way, and the
 /// bound, which is that of the signed distance, is as wide as it is then.
 ///
@@ -170,16 +180,23 @@ pub fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Wor
 /// assert_eq!((within(0.9).verdict, within(1.1).verdict), (Verdict::Miss, Verdict::Hit));
 /// ```
 pub fn within(a: Placed<'_>, b: Placed<'_>, margin: f64, accuracy: &Accuracy, work: &mut Work) -> Option<Certificate> {
+    if let Some(pair) = half_space::Pair::of(&a, &b) {
+        return Some(pair.within(margin, work));
+    }
     Some(convex::within(a.as_convex()?, b.as_convex()?, margin, accuracy, work))
 }
 
 /// How deep two convex geometries are in each other, without contact points. `None` if they are proved to be more than
-/// `max_gap` metres apart, or if one is a mesh: see [`penetration`].
+/// `max_gap` metres apart, or if one is a mesh: see [`penetration`]. Half spaces are as in [`penetration`].
 pub fn depth(a: Placed<'_>, b: Placed<'_>, max_gap: f64, accuracy: &Accuracy, work: &mut Work) -> Option<Depth> {
+    if let Some(pair) = half_space::Pair::of(&a, &b) {
+        return pair.depth(max_gap, work);
+    }
     convex::depth(a.as_convex()?, b.as_convex()?, max_gap, accuracy, work)
 }
 
-/// Contacts of all pairs of convex pieces whose gap is not proved to be above `max_gap` metres, in order of pieces.
+/// Contacts of all pairs of convex pieces whose gap is not proved to be above `max_gap` metres, in order of pieces. Two half
+/// spaces that no way parts have a contact whose depth is bounded below only.
 ///
 /// # Errors
 /// [`NeedsDecomposition`] if both are meshes.
@@ -190,6 +207,9 @@ pub fn penetration(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Result<Contacts, NeedsDecomposition> {
+    if let Some(pair) = half_space::Pair::of(&a, &b) {
+        return Ok(pair.penetration(max_gap, work));
+    }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => Ok(convex::penetration(a, b, max_gap, accuracy, work).into_iter().collect()),
         _ => pieces::penetration(a, b, max_gap, accuracy, work),
@@ -208,6 +228,9 @@ pub fn penetration_warm(
     warm: &mut Warm,
     work: &mut Work,
 ) -> Result<Contacts, NeedsDecomposition> {
+    if let Some(pair) = half_space::Pair::of(&a, &b) {
+        return Ok(pair.penetration(max_gap, work));
+    }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => Ok(convex::penetration_warm(a, b, max_gap, accuracy, warm, work).into_iter().collect()),
         _ => pieces::penetration(a, b, max_gap, accuracy, work),
@@ -243,6 +266,9 @@ pub fn linear_impact(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
+    if let Some(pair) = half_space::Pair::of(&a, &b) {
+        return pair.linear_impact(motion, work);
+    }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::linear_impact(a, b, motion, accuracy, work),
         _ => pieces::linear_impact(a, b, motion, accuracy, work),

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{Convex, Core, Form, Geometry};
+use super::{Convex, Core, Form, Geometry, HalfSpace, Limits};
 use crate::{
     math::{
         Aabb, Pose,
@@ -16,14 +16,16 @@ pub(super) fn local_bounds(form: &Form) -> Aabb {
     match form {
         Form::Mesh(mesh) => around(mesh.vertices()),
         Form::Convex(convex) => convex.local_bounds(),
+        Form::HalfSpace(half_space) => half_space.bounds(&Pose::IDENTITY),
     }
 }
 
-/// The largest distance of a point of the form from the local origin, rounded up.
+/// The largest distance of a point of the form from the local origin, rounded up; of a half space, of a point of its box.
 pub(super) fn reach(form: &Form) -> f64 {
     match form {
         Form::Mesh(mesh) => farthest(mesh.vertices()),
         Form::Convex(convex) => convex.reach(),
+        Form::HalfSpace(_) => length_up(DVec3::splat(Limits::HALF_SPACE_BOX)),
     }
 }
 
@@ -33,6 +35,9 @@ pub(super) fn placed_bounds(geometry: &Geometry, pose: &Pose) -> Aabb {
         && is_turned(pose)
     {
         return turned_convex(convex, geometry.reach(), pose);
+    }
+    if let Form::HalfSpace(half_space) = geometry.form() {
+        return half_space.bounds(pose);
     }
     let local = geometry.local_bounds();
     let local = if is_turned(pose) { turned_box(&pose.matrix(), local) } else { local };
@@ -80,6 +85,25 @@ impl Convex {
             Core::Ellipsoid { radii } => symmetric(*radii),
         };
         sum(core, symmetric(DVec3::splat(self.radius)))
+    }
+}
+
+impl HalfSpace {
+    /// The part of it within [`Limits::HALF_SPACE_BOX`] of the world's origin lies in this box: where the normal is along
+    /// an axis and the pose not turned, it ends at the plane.
+    fn bounds(&self, pose: &Pose) -> Aabb {
+        let mut bounds = symmetric(DVec3::splat(Limits::HALF_SPACE_BOX));
+        let across = self.normal.abs().max_position();
+        let along = DVec3::AXES[across] * self.normal[across];
+        if along != self.normal || is_turned(pose) {
+            return bounds;
+        }
+        if along[across] > 0.0 {
+            bounds.max[across] = add_up(pose.position[across], self.offset);
+        } else {
+            bounds.min[across] = add_down(pose.position[across], -self.offset);
+        }
+        bounds
     }
 }
 

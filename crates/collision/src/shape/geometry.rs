@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use super::{
-    Convex, Core, Hull, Mesh,
+    Convex, Core, HalfSpace, Hull, Mesh,
     bounds::{local_bounds, placed_bounds, reach},
     identity::content_hash,
     limits::{
@@ -26,6 +26,8 @@ pub enum Form {
     Convex(Convex),
     /// A surface of triangles, felt from both sides.
     Mesh(Arc<Mesh>),
+    /// Everything on one side of a plane.
+    HalfSpace(HalfSpace),
 }
 
 /// An immutable form in its own local frame. Cheap to clone.
@@ -134,6 +136,25 @@ impl Geometry {
         Ok(Self::convex(Core::Ellipsoid { radii }, 0.0))
     }
 
+    /// All points `p` with `dot(normal / |normal|, p) <= offset`: `normal` points outwards and may have any length but 0,
+    /// `offset` is in metres along the unit normal.
+    ///
+    /// # Errors
+    /// A number is not finite, `normal` is 0, or `offset` is beyond [`Limits::COORDINATE`].
+    ///
+    /// ```
+    /// use collision::{DVec3, accuracy::Accuracy, answer::Work, math::Pose, narrow, shape::Geometry};
+    /// let floor = Geometry::half_space(DVec3::Y * 3.0, 0.5).unwrap();
+    /// let ball = Geometry::sphere(0.25).unwrap();
+    /// let floor = narrow::Placed { geometry: &floor, pose: Pose::IDENTITY };
+    /// let ball = narrow::Placed { geometry: &ball, pose: Pose::at(DVec3::Y * 2.0) };
+    /// let apart = narrow::distance(ball, floor, 4e12, &Accuracy::default(), &mut Work::default()).unwrap();
+    /// assert_eq!((apart.distance, apart.normal_b_to_a), (1.25, Some(DVec3::Y)));
+    /// ```
+    pub fn half_space(normal: DVec3, offset: f64) -> Result<Self, GeometryError> {
+        Ok(Self::of(Form::HalfSpace(HalfSpace::new(normal, offset)?)))
+    }
+
     /// The convex hull of points: 1 to 65,536, in any order, inner ones allowed, flat or straight sets too.
     ///
     /// # Errors
@@ -165,7 +186,7 @@ impl Geometry {
         Self::of_mesh(Mesh::new(vertices, indices), "indices")
     }
 
-    /// The same form with all points within `rounding` of it; convex forms only.
+    /// The same form with all points within `rounding` of it; convex forms and half spaces only.
     ///
     /// # Errors
     /// `rounding` is not finite, negative or out of limits, or the form is a mesh.
@@ -178,6 +199,7 @@ impl Geometry {
                 field: "rounding".into(),
                 reason: "is above 0: a mesh takes none, only convex forms do".into(),
             }),
+            Form::HalfSpace(half_space) => Ok(Self::of(Form::HalfSpace(half_space.grown(rounding)?))),
             Form::Convex(Convex { core, radius }) => {
                 check_size_or_zero(|| "rounding".into(), radius + rounding, allowed)?;
                 Ok(Self::convex(core, radius + rounding))
@@ -200,12 +222,14 @@ impl Geometry {
             let fits = value == 0.0 || is_size(value * scale);
             fits.then_some(value * scale).ok_or_else(|| fail("such that sizes stay from 1e-9 to 1e9 metres"))
         };
+        let is_bounded = !matches!(self.form, Form::HalfSpace(_));
         let fits = self.local_bounds.min.abs().max(self.local_bounds.max.abs()).max_element() * scale;
-        if fits > Limits::COORDINATE {
+        if is_bounded && fits > Limits::COORDINATE {
             return Err(fail("such that coordinates stay within 1e12 metres"));
         }
         let (core, radius) = match self.form {
             Form::Mesh(mesh) => return Self::of_mesh(mesh.scaled(scale), "scale"),
+            Form::HalfSpace(half_space) => return Ok(Self::of(Form::HalfSpace(half_space.scaled(scale)?))),
             Form::Convex(Convex { core, radius }) => (core, size(radius)?),
         };
         let core = match core {
@@ -242,7 +266,7 @@ impl Geometry {
         *self.id.get_or_init(|| content_hash(&self.form))
     }
 
-    /// Its local bounds, rounded outwards.
+    /// Its local bounds, rounded outwards; those of a half space end at [`Limits::HALF_SPACE_BOX`].
     #[must_use]
     pub fn local_bounds(&self) -> Aabb {
         self.local_bounds
@@ -250,13 +274,13 @@ impl Geometry {
 
     /// The canonical box of this form at a pose: rounded outwards, so that it surely holds every point of the shape.
     /// It is tight for convex forms; that of a turned mesh is the box of its turned local box. Costs a pass over the
-    /// points of a hull.
+    /// points of a hull. That of a half space ends at [`Limits::HALF_SPACE_BOX`], and at its plane if that is along the axes.
     #[must_use]
     pub fn bounds(&self, pose: &Pose) -> Aabb {
         placed_bounds(self, pose)
     }
 
-    /// Radius about the local origin, rounded up.
+    /// Radius about the local origin, rounded up; of a half space, that of its box.
     #[must_use]
     pub fn reach(&self) -> f64 {
         self.reach
@@ -267,6 +291,7 @@ impl Geometry {
     pub fn memory_bytes(&self) -> u64 {
         let shared = match &self.form {
             Form::Mesh(mesh) => mesh.memory_bytes(),
+            Form::HalfSpace(_) => 0,
             Form::Convex(convex) => match &convex.core {
                 Core::Hull(hull) => hull.memory_bytes(),
                 Core::Point

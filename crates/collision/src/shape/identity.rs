@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Convex, Core, Form, GeometryId, Mesh};
+use super::{Convex, Core, Form, GeometryId, HalfSpace, Mesh};
 
 /// Names the byte form below; another layout takes another name, so that ids of the two never meet.
 const LAYOUT: &[u8] = b"calipers geometry 1";
@@ -13,6 +13,7 @@ pub(super) fn content_hash(form: &Form) -> GeometryId {
     match form {
         Form::Convex(convex) => content.convex(convex),
         Form::Mesh(mesh) => content.mesh(mesh),
+        Form::HalfSpace(half_space) => content.half_space(half_space),
     }
     GeometryId(*content.0.finalize().as_bytes())
 }
@@ -68,6 +69,13 @@ impl Content {
                 self.0.update(&number.to_le_bytes());
             }
         }
+    }
+
+    /// The normal counts as it was sent: equal sets whose normals differ in length have different ids.
+    fn half_space(&mut self, half_space: &HalfSpace) {
+        self.kind(9);
+        self.point(half_space.normal);
+        self.number(half_space.offset);
     }
 
     fn kind(&mut self, kind: u8) {

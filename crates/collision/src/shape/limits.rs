@@ -13,6 +13,9 @@ impl Limits {
     pub const SIZE_MIN: f64 = 1e-9;
     /// Sizes are at most this, metres.
     pub const SIZE_MAX: f64 = 1e9;
+    /// How far the box of a half space goes to its open sides, metres from the origin of the world: farther than any point
+    /// of what can be placed, wherever it moves within [`Limits::COORDINATE`], and than rays of 4e12 metres from there.
+    pub const HALF_SPACE_BOX: f64 = 8e12;
     /// Longest half axis of an ellipsoid over its shortest.
     pub const ELLIPSOID_RATIO: f64 = 1e6;
     /// Most points of a hull.

@@ -98,7 +98,7 @@ impl Snapshot {
 fn mesh_trees(geometries: &[&Arc<Geometry>]) -> Option<BuiltStructure> {
     let built = geometries.iter().filter_map(|geometry| match geometry.form() {
         Form::Mesh(mesh) => mesh.built_tree(),
-        Form::Convex(_) => None,
+        Form::Convex(_) | Form::HalfSpace(_) => None,
     });
     let (count, memory_bytes) = built.fold((0, 0), |(count, bytes), tree| (count + 1, bytes + tree.memory_bytes()));
     (count > 0).then_some(BuiltStructure { name: "mesh_tree", count, memory_bytes })

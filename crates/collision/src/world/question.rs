@@ -62,6 +62,9 @@ pub enum QuestionError {
     /// The shape in `against` is not in this version.
     #[error("there is no shape {0}")]
     AgainstNotFound(ShapeId),
+    /// The subject is a half space, by its id if it is a shape: only what it is asked against may be one.
+    #[error("{} is a half space, which no question is asked about: ask about the other form, against it", .0.map_or("the subject".into(), |id| format!("shape {id}")))]
+    SubjectUnbounded(Option<ShapeId>),
     /// Depth between two meshes needs convex parts.
     #[error("{} and the subject are both meshes without convex parts", .0.map_or("what it is tested against".into(), |id| format!("shape {id}")))]
     NeedsDecomposition(Option<ShapeId>),

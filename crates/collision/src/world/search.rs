@@ -11,7 +11,7 @@ use crate::{
     broad::{Path, Tree},
     math::{Aabb, Pose},
     narrow::Placed,
-    shape::Geometry,
+    shape::{Form, Geometry},
 };
 
 /// One side of a question: a form, where it is, and which shape of the world it is, if any.
@@ -55,9 +55,13 @@ pub(super) fn outward(bounds: Aabb, margin: f64) -> Aabb {
 }
 
 impl Snapshot {
-    /// What a question is about.
+    /// What a question is about; no half space.
     pub(super) fn subject<'a>(&'a self, subject: &'a Subject) -> Result<Side<'a>, QuestionError> {
-        self.side(subject).map_err(QuestionError::SubjectNotFound)
+        let side = self.side(subject).map_err(QuestionError::SubjectNotFound)?;
+        match side.placed.geometry.form() {
+            Form::HalfSpace(_) => Err(QuestionError::SubjectUnbounded(side.id())),
+            Form::Convex(_) | Form::Mesh(_) => Ok(side),
+        }
     }
 
     /// What it is asked against, if it names that.

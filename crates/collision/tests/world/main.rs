@@ -3,6 +3,7 @@
 mod determinism;
 mod edits;
 mod filters;
+mod half_spaces;
 mod questions;
 #[path = "../broad/random.rs"]
 mod random;

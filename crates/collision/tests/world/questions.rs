@@ -16,7 +16,7 @@ use collision::{
 };
 
 use crate::random::Random;
-use crate::scene::{Frame, Question, id, random_filter, random_questions, random_shapes, shape, world_of};
+use crate::scene::{Frame, Question, half_spaces, id, random_filter, random_questions, random_shapes, shape, world_of};
 
 const ACCURACY: Accuracy = Accuracy::of(collision::accuracy::Tier::Standard);
 
@@ -270,8 +270,11 @@ fn compare_in(frame: Frame) {
     let mut random = Random::new(31);
     let mut hits = [0; 5];
     let mut asked = 0;
-    for count in [1, 3, 10, 40, 90, 150] {
-        let shapes = random_shapes(&mut random, frame, count);
+    for (round, count) in [1, 3, 10, 40, 90, 150].into_iter().enumerate() {
+        let mut shapes = random_shapes(&mut random, frame, count);
+        if round % 2 == 1 {
+            shapes.extend(half_spaces(&mut random, frame, count + 1));
+        }
         let snapshot = world_of(shapes.clone()).newest();
         for _ in 0..60 {
             let filter = if random.unit() < 0.5 { Filter::default() } else { random_filter(&mut random) };
@@ -311,6 +314,10 @@ fn a_shape_that_is_not_there_is_named() {
         let question = Overlap { subject: subject.clone(), against: Some(against.clone()), max_hits: 9 };
         snapshot.overlap(&question, &Filter::default(), &ACCURACY, meter).map(|found| found.verdict)
     };
+    let plane = Arc::new(Geometry::half_space(DVec3::Y, -2.0).expect("a half space"));
+    let plane = Subject::Geometry { geometry: plane, pose: Pose::IDENTITY };
+    assert_eq!(ask(&plane, &there), Err(QuestionError::SubjectUnbounded(None)));
+    assert_eq!(ask(&there, &plane), Ok(Verdict::Miss));
     assert_eq!(ask(&gone, &there), Err(QuestionError::SubjectNotFound(id(77))));
     assert_eq!(ask(&there, &gone), Err(QuestionError::AgainstNotFound(id(77))));
     assert_eq!(ask(&there, &there), Ok(Verdict::Hit), "a pair that is named is asked, be it a shape and itself");

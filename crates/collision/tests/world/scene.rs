@@ -97,6 +97,18 @@ pub(crate) fn random_shapes(random: &mut Random, frame: Frame, count: u64) -> Ve
         .collect()
 }
 
+/// A floor, a wall and a slope at the rim of the random shapes, numbered from `first`.
+pub(crate) fn half_spaces(random: &mut Random, frame: Frame, first: u64) -> [Shape; 3] {
+    let slope = random.vector();
+    let kinds = [(DVec3::Y, Mobility::Static), (DVec3::X * -7.0, Mobility::Dynamic), (slope, Mobility::Kinematic)];
+    let mut number = first;
+    kinds.map(|(normal, mobility)| {
+        let geometry = Arc::new(Geometry::half_space(normal, -3.5 * frame.scale).expect("a half space"));
+        number += 1;
+        Shape { mobility, ..shape(number - 1, geometry, Pose::at(frame.origin)) }
+    })
+}
+
 /// Boxes on a grid that touch face to face, each twice: every question ties.
 pub(crate) fn grid_shapes() -> Vec<Shape> {
     let cube = Arc::new(Geometry::cuboid(DVec3::splat(0.5)).expect("a box"));

@@ -12,7 +12,7 @@ use glam::{DMat3, DVec3};
 
 use crate::{
     math::Norm,
-    shape::{Core, Hull},
+    shape::{Convex, Core, Hull},
 };
 
 /// A core in the pair's frame.
@@ -33,14 +33,22 @@ pub(super) struct Body<'a> {
 
 /// A corner of a core, in the pair's frame, and its number within the core, or [`Corner::ON_ROUND`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Corner {
-    pub(super) point: DVec3,
-    pub(super) index: u32,
+pub(in crate::narrow) struct Corner {
+    pub(in crate::narrow) point: DVec3,
+    pub(in crate::narrow) index: u32,
 }
 
 impl Corner {
     /// The number of points of round cores, which have none.
     pub(super) const ON_ROUND: u32 = u32::MAX;
+}
+
+impl<'a> Body<'a> {
+    /// A form in its own axes, in metres.
+    pub(super) fn in_own_axes(convex: &'a Convex) -> Self {
+        let (core, radius) = (&convex.core, convex.radius);
+        Self { core, radius, rotation: DMat3::IDENTITY, is_turned: false, position: DVec3::ZERO, scale: 1.0 }
+    }
 }
 
 impl Body<'_> {

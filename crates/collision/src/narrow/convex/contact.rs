@@ -148,7 +148,7 @@ impl<'a> Judged<'a> {
 
 impl Contact {
     /// The same contact with the arguments swapped.
-    fn swapped(mut self) -> Self {
+    pub(in crate::narrow) fn swapped(mut self) -> Self {
         self.normal_b_to_a = DVec3::ZERO - self.normal_b_to_a;
         std::mem::swap(&mut self.feature_a, &mut self.feature_b);
         for point in &mut self.points {

@@ -37,8 +37,8 @@ type Polygon = SmallVec<[Clipped; 12]>;
 type Points = SmallVec<[Point; 8]>;
 
 /// A core's face, edge or corner that looks along a direction.
-struct Facing {
-    corners: Corners,
+pub(super) struct Facing {
+    pub(super) corners: Corners,
     /// Whether the corners lie flat across the direction.
     is_flat: bool,
 }
@@ -173,7 +173,7 @@ fn crossing(from: u16, to: u16, cut_by: u16) -> u16 {
 }
 
 /// At most four points that span the touch best, deepest first.
-fn four(mut candidates: Points, normal: DVec3) -> Points {
+pub(super) fn four(mut candidates: Points, normal: DVec3) -> Points {
     let depth = |point: &Point| (point.on_b - point.on_a).dot(normal);
     let mut chosen: Points = SmallVec::with_capacity(4);
     while chosen.len() < 4 && !candidates.is_empty() {
@@ -223,12 +223,12 @@ fn nearest_of_lines([p, q]: [Corner; 2], [r, s]: [Corner; 2]) -> (DVec3, DVec3) 
 }
 
 /// Names of corners are cut to 16 bits each; they name a pair within one contact, not in the world.
-fn short(index: u32) -> u16 {
+pub(super) fn short(index: u32) -> u16 {
     (index & 0x7FFF) as u16
 }
 
 /// The face, edge or corner of a core that looks along `direction`.
-fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
+pub(super) fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
     let corner = body.support(direction);
     match body.core {
         Core::Point | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => {

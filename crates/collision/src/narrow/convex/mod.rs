@@ -23,6 +23,7 @@ mod order;
 mod rods;
 mod separation;
 mod simplex;
+mod standing;
 mod touch;
 mod warm;
 
@@ -33,6 +34,7 @@ pub use warm::Warm;
 pub(crate) use contact::{depth, penetration, penetration_warm};
 pub(crate) use impact::linear_impact;
 pub(crate) use separation::{distance, distance_warm, overlap, within};
+pub(super) use standing::{feet, lowest};
 
 /// A convex form at a pose.
 #[derive(Clone, Copy, Debug)]

@@ -44,6 +44,7 @@ impl<'a> Side<'a> {
         match placed.geometry.form() {
             Form::Convex(convex) => Self::Convex(PlacedConvex { convex, pose: placed.pose }),
             Form::Mesh(mesh) => Self::Surface(Surface { mesh, whole: placed }),
+            Form::HalfSpace(_) => unreachable!("half spaces have kernels of their own"),
         }
     }
 }

@@ -30,7 +30,7 @@ pub(super) struct Wall {
 }
 
 /// What was found out about one wall.
-struct Judged {
+pub(super) struct Judged {
     wall: Wall,
     bound: Bound,
     best: f64,
@@ -38,27 +38,46 @@ struct Judged {
     inside: bool,
 }
 
+impl Judged {
+    /// Metres along the ray: the best value.
+    pub(super) fn distance(&self) -> f64 {
+        self.best
+    }
+
+    /// The ray begins inside.
+    pub(super) fn is_inside(&self) -> bool {
+        self.inside
+    }
+}
+
 impl Crossing {
     /// What the ray touches of the body.
     pub(super) fn touches(&self, ray: &Ray, local: &LocalRay, pose: &Pose) -> RayTouches {
-        let (first, last) = (local.first, local.last);
-        if self.entry.bound.lower > last || self.exit.bound.upper < first {
-            return RayTouches::default();
-        }
-        let (certain, undecided) =
-            if ray.hollow && self.certain { self.hollow(first, last) } else { self.solid(first, last) };
-        let touch = |judged: Judged| self.touch(judged, local, pose);
+        let (certain, undecided) = self.judged(ray, local.first, local.last);
+        let touch = |judged: Judged| {
+            let outwards = local.normal_to_world(pose, judged.wall.normal);
+            let is_from_inside = judged.wall.normal.dot(local.direction) > 0.0;
+            let towards_asker = if is_from_inside { DVec3::ZERO - outwards } else { outwards };
+            let point = local.to_world(pose, local.point_at(judged.best));
+            self.touch(judged, point, towards_asker)
+        };
         RayTouches { certain: certain.map(touch), undecided: undecided.map(touch) }
     }
 
-    fn touch(&self, judged: Judged, local: &LocalRay, pose: &Pose) -> RayTouch {
+    /// The certain touch between two distances, and the one that may be closer.
+    pub(super) fn judged(&self, ray: &Ray, first: f64, last: f64) -> (Option<Judged>, Option<Judged>) {
+        if self.entry.bound.lower > last || self.exit.bound.upper < first {
+            return (None, None);
+        }
+        if ray.hollow && self.certain { self.hollow(first, last) } else { self.solid(first, last) }
+    }
+
+    /// A touch at a point of the world.
+    pub(super) fn touch(&self, judged: Judged, point: DVec3, towards_asker: DVec3) -> RayTouch {
         let Judged { wall, inside, .. } = judged;
-        let outwards = local.normal_to_world(pose, wall.normal);
-        let is_from_inside = wall.normal.dot(local.direction) > 0.0;
-        let towards_asker = if is_from_inside { DVec3::ZERO - outwards } else { outwards };
         RayTouch {
             distance: judged.best + 0.0,
-            point: local.to_world(pose, local.point_at(judged.best)),
+            point,
             normal: (!inside).then_some(towards_asker),
             inside,
             feature: Feature { part: None, face: if inside { None } else { wall.face } },

@@ -10,6 +10,7 @@
 
 mod crossing;
 mod frame;
+mod half_space;
 mod mesh;
 mod polytope;
 mod round;
@@ -96,6 +97,11 @@ pub struct RayTouches {
 pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> RayTouches {
     let convex = match target.geometry.form() {
         Form::Mesh(mesh) => return mesh::touches(ray, mesh, target, work),
+        Form::HalfSpace(half_space) => {
+            work.pairs_tested += 1;
+            work.iterations += 1;
+            return half_space::touches(ray, half_space, &target.pose);
+        }
         Form::Convex(convex) => convex,
     };
     work.pairs_tested += 1;

@@ -1,0 +1,66 @@
+//! The contact of a form and a half space: its normal is the plane's, its depth the form's depth below the plane.
+
+use super::{Above, Body, Low, Signed};
+use crate::{
+    answer::{Bound, Feature, Stop, Verdict, Work},
+    narrow::{Contact, ContactPoint, Contacts, convex},
+    shape::{Convex, Core, Mesh},
+};
+
+impl Above<'_> {
+    /// The contact of a convex form, or those of the triangles of a mesh in the order of their numbers, unless the gap is
+    /// proved to be above `max_gap`.
+    pub(super) fn contacts(&self, max_gap: f64, work: &mut Work) -> Contacts {
+        match self.body {
+            Body::Convex(convex) => {
+                super::count(work);
+                self.contact(convex, &self.lowest(), max_gap).into_iter().collect()
+            }
+            Body::Mesh(mesh) => self.contacts_of_triangles(mesh, max_gap, work),
+        }
+    }
+
+    fn contacts_of_triangles(&self, mesh: &Mesh, max_gap: f64, work: &mut Work) -> Contacts {
+        let mut contacts = Contacts::new();
+        for triangle in 0..mesh.triangles().len() {
+            super::count(work);
+            let corners = mesh.corners(triangle);
+            let [a, b, c] = corners.map(|corner| self.normal.dot(corner));
+            let point = corners[if a <= b && a <= c { 0 } else { 1 + usize::from(c < b) }];
+            let feature = Feature { part: None, face: Some(mesh.sent_number(triangle)) };
+            let piece = Convex { core: Core::Triangle(corners), radius: 0.0 };
+            contacts.extend(self.contact(&piece, &Low { point, radius: 0.0, feature }, max_gap));
+        }
+        contacts.sort_by_key(|contact| contact.feature_a.face);
+        contacts
+    }
+
+    fn contact(&self, piece: &Convex, low: &Low, max_gap: f64) -> Option<Contact> {
+        let signed = self.signed(Body::Convex(piece), low);
+        if signed.lower > max_gap || signed.verdict == Verdict::Miss && max_gap <= 0.0 {
+            return None;
+        }
+        let normal = self.plane.normal;
+        let points = convex::feet(piece, self.normal).into_iter().map(|foot| {
+            let depth = -self.height(foot.point, low.radius) + 0.0;
+            let error = self.error_at(depth);
+            let point_on_a = self.point_out(foot.point, low.radius);
+            ContactPoint {
+                point_on_a,
+                point_on_b: point_on_a + normal * depth,
+                depth,
+                bound: Bound::new(depth - error, depth + error),
+                feature_pair: foot.index << 16,
+            }
+        });
+        let depth = Signed { lower: -signed.upper, best: -signed.best, upper: -signed.lower, ..signed };
+        Some(Contact {
+            normal_b_to_a: normal,
+            depth: depth.best + 0.0,
+            points: points.collect(),
+            feature_a: low.feature,
+            feature_b: Feature::default(),
+            certificate: depth.certificate(signed.verdict, Stop::Converged),
+        })
+    }
+}
