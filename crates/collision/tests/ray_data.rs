@@ -7,7 +7,7 @@ use collision::{
     accuracy::Accuracy,
     answer::{Verdict, Work},
     math::Pose,
-    narrow::{Placed, Ray, RayTouches, raycast},
+    narrow::{Faces, Placed, Ray, RayTouches, raycast},
     shape::Geometry,
 };
 use serde_json::Value;
@@ -27,6 +27,7 @@ fn cast(mesh: &Geometry, record: &Value) -> RayTouches {
         min_distance: 0.0,
         max_distance: record["max_t"].as_f64().map_or(4e12, |max_t| max_t * direction.length()),
         hollow: false,
+        faces: Faces::Both,
     };
     let target = Placed { geometry: mesh, pose: Pose::at(reference::vector(record, "p")) };
     raycast(&ray, target, &Accuracy::default(), &mut Work::default())

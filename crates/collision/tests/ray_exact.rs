@@ -9,7 +9,7 @@ use collision::{
     accuracy::Accuracy,
     answer::Work,
     math::Pose,
-    narrow::{Placed, Ray, raycast},
+    narrow::{Faces, Placed, Ray, raycast},
     shape::Geometry,
 };
 use whole::{
@@ -249,6 +249,7 @@ fn rays_in_the_very_face_of_an_unturned_box_touch_it() {
             min_distance: 0.0,
             max_distance: 1e18,
             hollow: false,
+            faces: Faces::Both,
         };
         let touches = raycast(&ray, target, &Accuracy::default(), &mut Work::default());
         assert_eq!((touches.certain.is_some(), touches.undecided.is_some()), (expected, false), "{x}");

@@ -8,7 +8,7 @@ use collision::{
     accuracy::{Accuracy, Tier},
     answer::{Verdict, Work},
     math::Pose,
-    narrow::{Placed, Ray, RayTouch, RayTouches, distance, raycast},
+    narrow::{Faces, Placed, Ray, RayTouch, RayTouches, distance, raycast},
     shape::Geometry,
 };
 use whole::Numbers;
@@ -20,7 +20,7 @@ fn at(geometry: &Geometry, pose: Pose) -> Placed<'_> {
 }
 
 fn ray(origin: DVec3, direction: DVec3) -> Ray {
-    Ray { origin, direction, min_distance: 0.0, max_distance: 1e18, hollow: false }
+    Ray { origin, direction, min_distance: 0.0, max_distance: 1e18, hollow: false, faces: Faces::Both }
 }
 
 fn cast(ray: &Ray, target: Placed<'_>) -> RayTouches {

@@ -14,7 +14,7 @@ use smallvec::SmallVec;
 use convex::PlacedConvex;
 
 pub use convex::Warm;
-pub use ray::{Ray, RayTouch, RayTouches, raycast};
+pub use ray::{Faces, Ray, RayTouch, RayTouches, raycast};
 
 use crate::{
     accuracy::Accuracy,

@@ -130,6 +130,7 @@ mod tests {
     use crate::{
         answer::Work,
         broad::{StaticTree, Tree},
+        narrow::Faces,
     };
 
     /// The lower bound of a box, taken as the limit of a search, must not exclude the box from the search.
@@ -150,6 +151,7 @@ mod tests {
                 min_distance: 0.0,
                 max_distance: 4e12,
                 hollow: false,
+                faces: Faces::Both,
             });
             let least = track.entry(bounds, 4e12).expect("it goes through");
             let mut offered = false;

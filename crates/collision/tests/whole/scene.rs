@@ -5,7 +5,7 @@ use collision::{
     accuracy::Accuracy,
     answer::{Verdict, Work},
     math::Pose,
-    narrow::{Placed, Ray, RayTouches, raycast},
+    narrow::{Faces, Placed, Ray, RayTouches, raycast},
     shape::Geometry,
 };
 
@@ -34,6 +34,7 @@ impl Scene {
             min_distance: 0.0,
             max_distance: 1e18,
             hollow,
+            faces: Faces::Both,
         }
     }
 

@@ -6,7 +6,7 @@ use collision::{
     DQuat, DVec3,
     accuracy::Accuracy,
     math::Pose,
-    narrow::{InitialTouch, Ray},
+    narrow::{Faces, InitialTouch, Ray},
     shape::Geometry,
     world::{
         Distance, Edit, EditRule, Filter, HitMode, Meter, Mobility, Overlap, Penetration, Raycast, Shape, ShapeId,
@@ -155,7 +155,7 @@ pub(crate) fn ask(snapshot: &Snapshot, question: &Question, filter: &Filter) -> 
 }
 
 pub(crate) fn ray(origin: DVec3, direction: DVec3) -> Ray {
-    Ray { origin, direction, min_distance: 0.0, max_distance: 4e12, hollow: false }
+    Ray { origin, direction, min_distance: 0.0, max_distance: 4e12, hollow: false, faces: Faces::Both }
 }
 
 pub(crate) fn random_subject(random: &mut Random, frame: Frame, shape_count: u64) -> Subject {

@@ -149,7 +149,8 @@ fn distance(a: narrow::Placed<'_>, b: narrow::Placed<'_>, work: &mut Work) -> An
 }
 
 fn raycast(origin: DVec3, direction: DVec3, max_distance: f64, target: narrow::Placed<'_>, work: &mut Work) -> Answer {
-    let ray = narrow::Ray { origin, direction, min_distance: 0.0, max_distance, hollow: false };
+    let ray =
+        narrow::Ray { origin, direction, min_distance: 0.0, max_distance, hollow: false, faces: narrow::Faces::Both };
     let touches = narrow::raycast(&ray, target, &ACCURACY, work);
     let hits: Vec<RayAnswer> = touches.undecided.iter().chain(&touches.certain).map(ray_touch).collect();
     Answer::Ray(found_verdict(hits.iter().map(|hit| hit.claim.verdict)), hits)

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Ray, RayTouch, RayTouches, frame::LocalRay};
+use super::{Faces, Ray, RayTouch, RayTouches, frame::LocalRay};
 use crate::{
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict},
     math::Pose,
@@ -69,7 +69,12 @@ impl Crossing {
         if self.entry.bound.lower > last || self.exit.bound.upper < first {
             return (None, None);
         }
-        if ray.hollow && self.certain { self.hollow(first, last) } else { self.solid(first, last) }
+        match ray.faces {
+            Faces::Both if ray.hollow && self.certain => self.hollow(first, last),
+            Faces::Both => self.solid(first, last),
+            Faces::Front => self.one_wall(self.entry, first, last),
+            Faces::Back => self.one_wall(self.exit, first, last),
+        }
     }
 
     /// A touch at a point of the world.
@@ -81,6 +86,7 @@ impl Crossing {
             normal: (!inside).then_some(towards_asker),
             inside,
             feature: Feature { part: None, face: if inside { None } else { wall.face } },
+            barycentric: None,
             certificate: Certificate {
                 method: self.method,
                 iterations: self.iterations,
@@ -103,6 +109,14 @@ impl Crossing {
             inside: self.entry.best < first,
         };
         if is_hit { (Some(judged), None) } else { (None, Some(judged)) }
+    }
+
+    /// This wall only.
+    fn one_wall(&self, wall: Wall, first: f64, last: f64) -> (Option<Judged>, Option<Judged>) {
+        match judge_wall(wall, first, last) {
+            Some(judged) if self.certain && judged.verdict == Verdict::Hit => (Some(judged), None),
+            judged => (None, judged.map(|judged| Judged { verdict: Verdict::Undecided, ..judged })),
+        }
     }
 
     /// Walls only: the nearest of the two that the ray reaches.

@@ -12,10 +12,10 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::{
-    Ray, RayTouch, RayTouches,
+    Faces, Ray, RayTouch, RayTouches,
     crossing::certificate,
     frame::{LocalRay, Target},
-    triangle::{Meeting, Sight, Sign, View, normal},
+    triangle::{Meeting, Sight, Sign, View, normal, weights},
 };
 use crate::{
     answer::{Bound, Feature, Verdict, Work},
@@ -60,17 +60,17 @@ pub(super) fn touches(ray: &Ray, mesh: &Mesh, target: Placed<'_>, work: &mut Wor
     let Ok(()) = mesh.tree().visit_ray(&path, end - begin, work, |work, leaf, _| {
         work.pairs_tested += 1;
         work.iterations += 1;
-        found.offer(candidate(&sight, mesh, leaf as usize));
+        found.offer(candidate(&sight, mesh, leaf as usize, ray.faces));
         Ok::<f64, Infallible>(found.limit - local.shift - begin + 2.0 * local.error)
     });
     found.touches(&local, mesh, &target.pose)
 }
 
 /// What is known of the ray and one triangle; `None` if it is surely not touched.
-fn candidate(sight: &Sight<'_>, mesh: &Mesh, triangle: usize) -> Option<Candidate> {
+fn candidate(sight: &Sight<'_>, mesh: &Mesh, triangle: usize, faces: Faces) -> Option<Candidate> {
     let corners = mesh.corners(triangle);
     let view = sight.view(corners);
-    if view.is_missed() {
+    if view.is_missed() || is_culled(view, faces) {
         return None;
     }
     let meeting = sight.meeting(corners);
@@ -95,13 +95,24 @@ fn candidate(sight: &Sight<'_>, mesh: &Mesh, triangle: usize) -> Option<Candidat
         return None;
     }
     let is_within = lower >= first && upper <= last;
+    // Seen edge-on, a triangle might be culled.
+    let counts = faces == Faces::Both || view.facing != Sign::Unknown;
     let bound = Bound::new(lower.max(first), upper.min(last));
     Some(Candidate {
         triangle,
         bound,
         best: meeting.best.clamp(bound.lower, bound.upper),
-        verdict: if is_crossed && is_within { Verdict::Hit } else { Verdict::Undecided },
+        verdict: if is_crossed && is_within && counts { Verdict::Hit } else { Verdict::Undecided },
     })
+}
+
+/// Whether a triangle surely shows the ray a side that does not count.
+fn is_culled(view: View, faces: Faces) -> bool {
+    match faces {
+        Faces::Both => false,
+        Faces::Front => view.facing == Sign::Positive,
+        Faces::Back => view.facing == Sign::Negative,
+    }
 }
 
 /// The hull of when the ray meets a patch around `seed` that it surely goes through; `None` if there is no proof.
@@ -203,14 +214,17 @@ impl Found {
 
 fn touch(local: &LocalRay, mesh: &Mesh, pose: &Pose, winner: Candidate, bound: Bound) -> RayTouch {
     let best = winner.best.clamp(bound.lower, bound.upper);
-    let (outwards, _) = normal(mesh.corners(winner.triangle));
+    let corners = mesh.corners(winner.triangle);
+    let (outwards, _) = normal(corners);
+    let point = local.point_at(best);
     let towards_asker = if outwards.dot(local.direction) > 0.0 { DVec3::ZERO - outwards } else { outwards };
     RayTouch {
         distance: best + 0.0,
-        point: local.to_world(pose, local.point_at(best)),
+        point: local.to_world(pose, point),
         normal: Some(local.normal_to_world(pose, towards_asker)),
         inside: false,
         feature: Feature { part: None, face: Some(mesh.sent_number(winner.triangle)) },
+        barycentric: weights(corners, point),
         certificate: certificate(winner.verdict, bound),
     }
 }

@@ -8,18 +8,23 @@
 //! # Never
 //! A miss that is not proved: what rounding leaves open is an undecided touch.
 
+mod cone;
 mod crossing;
+mod cylinder;
+mod ellipsoid;
 mod frame;
 mod half_space;
 mod mesh;
 mod polytope;
 mod round;
 mod rounded;
+mod stretch;
 mod triangle;
 
 use glam::DVec3;
 
 use self::{
+    cone::Cone,
     crossing::Crossing,
     frame::{LocalRay, Target},
     round::Round,
@@ -42,8 +47,30 @@ pub struct Ray {
     pub min_distance: f64,
     /// How far, metres.
     pub max_distance: f64,
-    /// Bodies are hollow: a ray that begins inside goes on to the wall.
+    /// Bodies are hollow: a ray that begins inside goes on to the wall. Of no account unless `faces` is
+    /// [`Faces::Both`], since the others are about walls only.
     pub hollow: bool,
+    /// Which sides of a surface count.
+    pub faces: Faces,
+}
+
+/// Which sides of a surface stop a ray. The front of a triangle is the side from which its corners go
+/// counter-clockwise; the front of a body is its outside.
+///
+/// ```text
+///              +--------+                 | triangle, its front
+///   ray ------>|  body  |------>  ----->  | on the left
+///           front      back             front
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Faces {
+    /// Both sides.
+    #[default]
+    Both,
+    /// Surfaces met from their front: a ray enters bodies, and goes out of one it began in without a touch.
+    Front,
+    /// Surfaces met from their back: a ray goes into bodies without a touch and touches where it leaves.
+    Back,
 }
 
 /// Where a ray meets a geometry. `Miss` is never returned in it: that is `None`.
@@ -59,6 +86,10 @@ pub struct RayTouch {
     pub inside: bool,
     /// Where on the geometry.
     pub feature: Feature,
+    /// For a triangle of a mesh: the weights of its corners, in the order sent, whose mean is the point. From 0 to 1, they
+    /// sum up to 1. They are right to what rounding moves the point within the triangle. `None` for bodies, and for
+    /// triangles below 1e-70 metres.
+    pub barycentric: Option<DVec3>,
     /// What the distance is worth.
     pub certificate: Certificate,
 }
@@ -75,8 +106,8 @@ pub struct RayTouches {
 /// Where a ray meets a geometry first. An absent touch is a proof that there is none between the ray's `min_distance` and
 /// `max_distance`. A body is full unless the ray says `hollow`: a ray that begins inside touches where it begins.
 ///
-/// A mesh is a surface: it has no inside, both sides count, and a ray in the plane of a triangle does not meet that
-/// triangle. Where triangles share an edge the least number wins. An undecided touch does not hide a certain one behind
+/// A mesh is a surface: it has no inside, both sides count unless the ray's [`Faces`] say otherwise, and a ray in the plane
+/// of a triangle does not meet that triangle. Where triangles share an edge the least number wins. An undecided touch does not hide a certain one behind
 /// it: see [`RayTouches`].
 ///
 /// ```
@@ -88,6 +119,7 @@ pub struct RayTouches {
 ///     min_distance: 0.0,
 ///     max_distance: 4e12,
 ///     hollow: false,
+///     faces: narrow::Faces::Both,
 /// };
 /// let target = narrow::Placed { geometry: &ball, pose: Pose::IDENTITY };
 /// let touch = narrow::raycast(&ray, target, &Accuracy::default(), &mut Work::default()).certain.unwrap();
@@ -121,10 +153,8 @@ pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Wo
     }
     let crossing = match (simple_crossing(&local, convex, about), convex.radius > 0.0) {
         (Some(found), _) => found,
-        (None, is_rounded) if is_rounded || !convex.core.is_polytope() => {
-            rounded::crossing(&local, convex, about, accuracy, work)
-        }
-        (None, _) => flat_sided_crossing(&local, &convex.core, about.center),
+        (None, true) => rounded::crossing(&local, convex, about, accuracy, work),
+        (None, false) => core_crossing(&local, &convex.core, about.center),
     };
     crossing.map_or_else(RayTouches::default, |crossing| crossing.touches(ray, &local, &target.pose))
 }
@@ -160,11 +190,15 @@ fn ends(hull: &Hull) -> Option<(DVec3, DVec3)> {
     }
 }
 
-fn flat_sided_crossing(local: &LocalRay, core: &Core, center: DVec3) -> Option<Crossing> {
+/// The core alone, where it has an inside of its own or is flat. `None` if it is surely missed, or is a point or a segment.
+fn core_crossing(local: &LocalRay, core: &Core, center: DVec3) -> Option<Crossing> {
     match core {
         Core::Cuboid { half_extents } => polytope::cuboid(local, *half_extents),
         Core::Hull(hull) => polytope::hull(local, hull, center),
-        Core::Triangle(corners) => polytope::polygon(local, corners, center),
-        Core::Point | Core::Segment { .. } | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => None,
+        Core::Triangle(corners) => polytope::polygon(local, corners.iter().copied(), center),
+        Core::Cylinder { half_height, radius } => cylinder::crossing(local, *half_height, *radius),
+        Core::Cone { half_height, radius } => Cone::new(*half_height, *radius).crossing(local),
+        Core::Ellipsoid { radii } => ellipsoid::crossing(local, *radii),
+        Core::Point | Core::Segment { .. } => None,
     }
 }

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     answer::{Bound, Method},
-    shape::{Hull, Span, Topology},
+    shape::{Hull, Span},
 };
 
 /// Where the line crosses a box about the centre; `None` if surely nowhere.
@@ -41,8 +41,8 @@ pub(super) fn cuboid(ray: &LocalRay, half_extents: DVec3) -> Option<Crossing> {
 pub(super) fn hull(ray: &LocalRay, hull: &Hull, center: DVec3) -> Option<Crossing> {
     let topology = hull.topology();
     if topology.span == Span::Polygon {
-        let corners = polygon_corners(hull, topology);
-        return polygon(ray, &corners, center);
+        let corners = topology.faces[0].vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]);
+        return polygon(ray, corners, center);
     }
     let mut clip = Clip::new();
     for (index, face) in topology.faces.iter().enumerate() {
@@ -60,29 +60,25 @@ pub(super) fn hull(ray: &LocalRay, hull: &Hull, center: DVec3) -> Option<Crossin
     Some(clip.crossing(ray))
 }
 
-/// Where the line crosses a convex polygon in one plane, given by its corners in order.
-pub(super) fn polygon(ray: &LocalRay, corners: &[DVec3], center: DVec3) -> Option<Crossing> {
-    let normal = area_vector(corners).normalize_or_zero();
-    let gap = normal.dot(corners[0] - center - ray.foot);
+/// Where the line crosses a convex polygon in one plane, given by its corners in order, at least one.
+pub(super) fn polygon(ray: &LocalRay, corners: impl Iterator<Item = DVec3> + Clone, center: DVec3) -> Option<Crossing> {
+    let first = corners.clone().next()?;
+    let normal = area_vector(corners.clone(), first).normalize_or_zero();
+    let gap = normal.dot(first - center - ray.foot);
     let side = |normal: DVec3, gap: f64, face: Option<u32>| Side { normal, gap, error: ray.error, face };
     let mut clip = Clip::new();
     clip.slab(ray, side(-normal, -gap, Some(1)), side(normal, gap, Some(0)))?;
-    for (index, &corner) in corners.iter().enumerate() {
-        let along = corners[(index + 1) % corners.len()] - corner;
-        let outwards = along.cross(normal).normalize_or_zero();
+    let followers = corners.clone().skip(1).chain([first]);
+    for (corner, next) in corners.zip(followers) {
+        let outwards = (next - corner).cross(normal).normalize_or_zero();
         clip.plane(ray, side(outwards, outwards.dot(corner - center - ray.foot), None))?;
     }
     Some(clip.crossing(ray))
 }
 
-fn polygon_corners(hull: &Hull, topology: &Topology) -> Vec<DVec3> {
-    let corners = topology.faces[0].vertices.iter();
-    corners.map(|&vertex| hull.vertices()[vertex as usize]).collect()
-}
-
 /// Twice the area, along the normal.
-fn area_vector(corners: &[DVec3]) -> DVec3 {
-    let fan = corners.windows(2).map(|pair| (pair[0] - corners[0]).cross(pair[1] - corners[0]));
+fn area_vector(corners: impl Iterator<Item = DVec3> + Clone, first: DVec3) -> DVec3 {
+    let fan = corners.clone().zip(corners.skip(1)).map(|(a, b)| (a - first).cross(b - first));
     fan.sum()
 }
 

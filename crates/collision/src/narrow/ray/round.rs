@@ -11,10 +11,10 @@
 use glam::DVec3;
 
 use super::{
-    crossing::{Crossing, Wall},
+    crossing::Crossing,
     frame::LocalRay,
+    stretch::{self, Nested, Stretch},
 };
-use crate::answer::{Bound, Method};
 
 /// All points within `radius` of the segment from `center - axis * half` to `center + axis * half`, relative to the
 /// target's centre. With `half` 0 a ball.
@@ -27,33 +27,11 @@ pub(super) struct Round {
     pub radius: f64,
 }
 
-/// A stretch of the line, metres from its foot.
-type Stretch = (f64, f64);
-
 impl Round {
     /// Where the line crosses it; `None` if surely nowhere.
     pub(super) fn crossing(&self, ray: &LocalRay) -> Option<Crossing> {
-        let error = 2.0 * ray.error;
-        let outer = self.stretch(ray, error)?;
-        let inner = if self.radius > error { self.stretch(ray, -error) } else { None };
-        let best = self.stretch(ray, 0.0).unwrap_or(outer);
-        let (entry, exit) = match inner {
-            Some(inner) => (Bound::new(outer.0, inner.0), Bound::new(inner.1, outer.1)),
-            None => (Bound::new(outer.0, outer.1), Bound::new(outer.0, outer.1)),
-        };
-        let wall = |bound: Bound, best: f64| Wall {
-            bound: Bound::new(bound.lower + ray.shift - ray.error, bound.upper + ray.shift + ray.error),
-            best: best + ray.shift,
-            normal: self.normal_at(ray.foot + ray.direction * best),
-            face: None,
-        };
-        Some(Crossing {
-            entry: wall(entry, best.0),
-            exit: wall(exit, best.1),
-            certain: inner.is_some(),
-            method: Method::ClosedForm,
-            iterations: 1,
-        })
+        let nested = Nested::of(2.0 * ray.error, |growth| self.stretch(ray, growth))?;
+        Some(nested.crossing(ray, |point| self.normal_at(point)))
     }
 
     fn normal_at(&self, point: DVec3) -> DVec3 {
@@ -64,49 +42,25 @@ impl Round {
     /// The stretch inside, the surface moved outwards by `growth`.
     fn stretch(&self, ray: &LocalRay, growth: f64) -> Option<Stretch> {
         let radius = self.radius + growth;
+        if growth < 0.0 && radius <= 0.0 {
+            return None;
+        }
         let foot = ray.foot - self.center;
         if self.half == 0.0 {
-            return ball(foot, ray.direction, radius);
+            return stretch::ball(foot, ray.direction, radius);
         }
         let tip = self.axis * self.half;
-        [ball(foot - tip, ray.direction, radius), ball(foot + tip, ray.direction, radius), self.tube(ray, growth)]
-            .into_iter()
-            .flatten()
-            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        let ends = [foot - tip, foot + tip].map(|foot| stretch::ball(foot, ray.direction, radius));
+        ends.into_iter().chain([self.between_ends(ray, growth)]).flatten().reduce(Stretch::hull)
     }
 
     /// The stretch inside the cylinder between the two ends.
-    fn tube(&self, ray: &LocalRay, growth: f64) -> Option<Stretch> {
+    fn between_ends(&self, ray: &LocalRay, growth: f64) -> Option<Stretch> {
         let foot = ray.foot - self.center;
         let (height, climb) = (foot.dot(self.axis), ray.direction.dot(self.axis));
         let (across, speed) = (foot - self.axis * height, ray.direction - self.axis * climb);
-        let (radius, half) = (self.radius + growth, self.half + growth);
-        let between = if climb.abs() * ray.extent <= ray.error {
-            (height.abs() <= half).then_some((-ray.extent, ray.extent))?
-        } else {
-            let (a, b) = ((-half - height) / climb, (half - height) / climb);
-            (a.min(b), a.max(b))
-        };
-        let speed_length = speed.length();
-        let within = if speed_length * ray.extent <= ray.error {
-            (across.length() <= radius).then_some((-ray.extent, ray.extent))?
-        } else {
-            let (begin, end) = ball(across, speed / speed_length, radius)?;
-            (begin / speed_length, end / speed_length)
-        };
-        let both = (between.0.max(within.0), between.1.min(within.1));
-        (both.0 <= both.1).then_some(both)
+        let half = self.half + growth;
+        let between = stretch::slab(ray, height, climb, -half, half)?;
+        between.and(stretch::tube(ray, across, speed, self.radius + growth)?)
     }
-}
-
-/// The stretch inside a ball about the origin; `direction` is a unit vector. The chord is taken from the point nearest
-/// to the middle, so that nothing cancels (the naive discriminant loses all digits from far away).
-fn ball(foot: DVec3, direction: DVec3, radius: f64) -> Option<Stretch> {
-    let along = foot.dot(direction);
-    let distance = (foot - direction * along).length();
-    if radius < 0.0 || distance > radius {
-        return None;
-    }
-    let half_chord = ((radius - distance) * (radius + distance)).sqrt();
-    Some((-along - half_chord, -along + half_chord))
 }

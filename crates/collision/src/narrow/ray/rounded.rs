@@ -1,12 +1,15 @@
-//! Rays against rounded boxes, hulls and polygons: a ray is a moving point.
+//! Rays against all that is rounded but balls and capsules: a ray is a moving point.
 //!
 //! # Method
 //! As for balls, the body is taken once larger and once smaller by the error of the ray. Only the stretch within the
-//! body's ball is cast, so that a far origin costs nothing; the exit is found by a cast from the other end.
+//! body's ball is cast, so that a far origin costs nothing; the exit is found by a cast from the other end. Where the
+//! radius is within the error there is no smaller body of this kind, and what crosses the core by its own formula is
+//! inside.
 
 use glam::DVec3;
 
 use super::{
+    core_crossing,
     crossing::{Crossing, Wall},
     frame::{LocalRay, Target},
 };
@@ -37,26 +40,22 @@ pub(super) fn crossing(
     let (near, far) = (ray.shift - span, ray.shift + span);
     let entry_at = |fraction: f64| near + fraction * (2.0 * span);
     let exit_at = |fraction: f64| far - fraction * (2.0 * span);
-    let certain = entry.certain && exit.certain;
-    let whole = Bound::new(entry_at(entry.bound.lower) - ray.error, exit_at(exit.bound.lower) + ray.error);
-    let wall = |bound: Bound, best: f64, normal: DVec3| Wall {
-        bound: if certain { bound } else { whole },
-        best,
-        normal,
-        face: None,
+    let inner = if body.radius > caster.margin {
+        let stretch = (entry_at(entry.bound.upper) + ray.error, exit_at(exit.bound.upper) - ray.error);
+        (entry.certain && exit.certain).then_some(stretch)
+    } else {
+        let core = core_crossing(ray, &body.core, about.center).filter(|core| core.certain);
+        core.map(|core| (core.entry.bound.upper, core.exit.bound.lower))
     };
+    let whole = Bound::new(entry_at(entry.bound.lower) - ray.error, exit_at(exit.bound.lower) + ray.error);
+    let (entry_bound, exit_bound) = inner.map_or((whole, whole), |(begin, end)| {
+        (Bound::new(whole.lower, begin.max(whole.lower)), Bound::new(end.min(whole.upper), whole.upper))
+    });
+    let wall = |bound: Bound, best: f64, normal: DVec3| Wall { bound, best, normal, face: None };
     Some(Crossing {
-        entry: wall(
-            Bound::new(whole.lower, entry_at(entry.bound.upper) + ray.error),
-            entry_at(entry.best),
-            entry.normal.unwrap_or(DVec3::ZERO - ray.direction),
-        ),
-        exit: wall(
-            Bound::new(exit_at(exit.bound.upper) - ray.error, whole.upper),
-            exit_at(exit.best),
-            exit.normal.unwrap_or(ray.direction),
-        ),
-        certain,
+        entry: wall(entry_bound, entry_at(entry.best), entry.normal.unwrap_or(DVec3::ZERO - ray.direction)),
+        exit: wall(exit_bound, exit_at(exit.best), exit.normal.unwrap_or(ray.direction)),
+        certain: inner.is_some(),
         method: Method::Advancement,
         iterations: entry.iterations.saturating_add(exit.iterations),
     })

@@ -13,7 +13,11 @@ use std::cmp::Ordering;
 use glam::{DVec2, DVec3};
 
 use super::frame::{ExactRay, LocalRay};
-use crate::{answer::Bound, math::expansion::ExactVector, tolerance};
+use crate::{
+    answer::Bound,
+    math::{exact, expansion::ExactVector},
+    tolerance,
+};
 
 /// A sign as far as it is proved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -221,6 +225,16 @@ impl<'a> Sight<'a> {
         let speed = normal.dot(&ExactVector::difference(exact.direction, DVec3::ZERO)).sign();
         Some(height == Ordering::Equal || height == speed)
     }
+}
+
+/// The weights of the corners whose mean is `point`, which is in the triangle but for rounding; `None` if the square of its
+/// area vanishes.
+pub(super) fn weights([a, b, c]: [DVec3; 3], point: DVec3) -> Option<DVec3> {
+    let normal = exact::cross(b - a, c - a);
+    let (a, b, c) = (a - point, b - point, c - point);
+    let areas = DVec3::new(normal.dot(b.cross(c)), normal.dot(c.cross(a)), normal.dot(a.cross(b))).max(DVec3::ZERO);
+    let sum = areas.element_sum();
+    (sum > 0.0 && sum.is_finite()).then(|| areas / sum + DVec3::ZERO)
 }
 
 /// The normal, twice the area long, and a bound of the error of each of its components.
