@@ -129,6 +129,7 @@ fn ray_hit(hit: &RayHit) -> Checked<pb::RayHit> {
         feature: feature(touch.feature),
         user_data: hit.user_data,
         certificate: Some(certificate(&touch.certificate)?),
+        barycentric: touch.barycentric.map(vec3_out).transpose()?,
     })
 }
 

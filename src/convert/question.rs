@@ -6,7 +6,7 @@ use collision::{
     DVec3,
     accuracy::{Accuracy, Tier},
     math::Pose,
-    narrow::{InitialTouch, Ray},
+    narrow::{Faces, InitialTouch, Ray},
     shape::Geometry,
     world::{Distance, Filter, HitMode, Overlap, Penetration, Raycast, Snapshot, Subject, Tick, TimeOfImpact},
 };
@@ -132,6 +132,7 @@ pub(crate) fn raycast(sent: &pb::RaycastRequest) -> Checked<Raycast> {
             min_distance,
             max_distance,
             hollow: sent.hollow,
+            faces: faces(sent.faces)?,
         },
         mode: hit_mode(sent.mode, sent.max_hits)?,
     })
@@ -283,6 +284,15 @@ fn some_subject(sent: &pb::Subject, known: &Geometries) -> Checked<Subject> {
                 Some(_) => Some(pose(sent.pose.as_ref(), Pose::IDENTITY).under("pose")?),
             },
         }),
+    }
+}
+
+fn faces(faces: i32) -> Checked<Faces> {
+    match pb::RayFaces::try_from(faces) {
+        Ok(pb::RayFaces::Unspecified | pb::RayFaces::Both) => Ok(Faces::Both),
+        Ok(pb::RayFaces::Front) => Ok(Faces::Front),
+        Ok(pb::RayFaces::Back) => Ok(Faces::Back),
+        Err(_) => Err(unknown_enum("faces", faces, "RAY_FACES_BOTH (1), RAY_FACES_FRONT (2), RAY_FACES_BACK (3)")),
     }
 }
 

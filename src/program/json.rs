@@ -16,6 +16,7 @@ pub(crate) fn raycast(answer: &proto::RaycastResponse) -> Value {
             "normal": vector(hit.normal),
             "inside": hit.inside,
             "face": hit.feature.and_then(|feature| feature.face),
+            "barycentric": vector(hit.barycentric),
             "user_data": hit.user_data,
             "certificate": certificate(hit.certificate.as_ref()),
         })

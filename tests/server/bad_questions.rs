@@ -33,6 +33,7 @@ fn wrong_rays_themselves() -> Vec<(pb::RaycastRequest, Refusal)> {
             ("OUT_OF_LIMITS", "min_distance", &["above max_distance"]),
         ),
         (pb::RaycastRequest { mode: 9, ..good() }, ("OUT_OF_LIMITS", "mode", &["is 9", "HIT_MODE_ALL"])),
+        (pb::RaycastRequest { faces: 7, ..good() }, ("OUT_OF_LIMITS", "faces", &["is 7", "RAY_FACES_BACK"])),
         (
             pb::RaycastRequest { mode: pb::HitMode::All.into(), max_hits: 10_001, ..good() },
             ("OUT_OF_LIMITS", "max_hits", &["1 to 10000"]),

@@ -104,6 +104,29 @@ async fn the_nearest_triangles_are_named_on_either_side() {
 }
 
 #[tokio::test]
+async fn a_ray_chooses_the_side_of_surfaces_and_learns_where_in_the_triangle_it_hit() {
+    let mut bench = readme_world().await;
+    let mesh = pb::TriangleMesh {
+        vertices: vec![0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 0.0, 4.0, 0.0],
+        indices: vec![0, 2, 1],
+        ..pb::TriangleMesh::default()
+    };
+    // Its corners go counter-clockwise as seen from where the ray comes; the README's ball is behind it.
+    let floor = insert(shape(9, geometry(Kind::Mesh(mesh)), at(-1.0, -2.0, 2.0)));
+    bench.edit(vec![floor]).await.unwrap();
+    for (faces, id, distance) in
+        [(pb::RayFaces::Unspecified, 9, 2.0), (pb::RayFaces::Front, 9, 2.0), (pb::RayFaces::Back, 1, 6.0)]
+    {
+        let request = pb::RaycastRequest { faces: faces.into(), ..ray_along_z() };
+        let hit = bench.questions.raycast(request).await.unwrap().into_inner().hits.remove(0);
+        assert_eq!(hit.id, id, "{faces:?}");
+        assert_near(hit.distance, distance, hit.certificate.as_ref());
+        let weights = hit.barycentric.map(|weights| [weights.x, weights.y, weights.z]);
+        assert_eq!(weights, (id == 9).then_some([0.25, 0.5, 0.25]), "in the order sent; a ball has none");
+    }
+}
+
+#[tokio::test]
 async fn a_shape_asks_without_seeing_itself() {
     let mut bench = readme_world().await;
     let second = insert(shape(2, sphere(1.0), at(0.0, 0.0, 6.5)));
