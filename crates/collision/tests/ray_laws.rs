@@ -1,5 +1,5 @@
 //! Laws that rays obey whatever they hit: the point lies on ray and surface, motion and scale change nothing, limits are
-//! kept, walls come in order.
+//! kept, walls come in order, and round bodies lie between hulls.
 
 mod whole;
 
@@ -9,7 +9,7 @@ use collision::{
     answer::{Verdict, Work},
     math::Pose,
     narrow::{Faces, Placed, Ray, RayTouch, RayTouches, distance, raycast},
-    shape::Geometry,
+    shape::{Geometry, GeometryError, Hull},
 };
 use whole::Numbers;
 
@@ -56,6 +56,12 @@ fn forms(numbers: &mut Numbers) -> Vec<(&'static str, Geometry)> {
         ("rounded flat hull", Geometry::hull(&flat).and_then(|form| form.rounded(0.2))),
         ("rounded straight hull", Geometry::hull(&points[..2]).and_then(|form| form.rounded(0.4))),
         ("rounded point hull", Geometry::hull(&points[..1]).and_then(|form| form.rounded(0.5))),
+        ("cylinder", Geometry::cylinder(half.x, half.y)),
+        ("cone", Geometry::cone(half.x, half.y)),
+        ("ellipsoid", Geometry::ellipsoid(half)),
+        ("rounded cylinder", Geometry::cylinder(half.x, half.y).and_then(|form| form.rounded(0.2))),
+        ("rounded cone", Geometry::cone(half.x, half.y).and_then(|form| form.rounded(0.2))),
+        ("rounded ellipsoid", Geometry::ellipsoid(half).and_then(|form| form.rounded(0.2))),
         ("mesh", Geometry::mesh(&points, &[[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11], [0, 5, 10]])),
     ];
     forms.map(|(name, form)| (name, form.expect(name))).into_iter().collect()
@@ -295,4 +301,57 @@ fn a_ray_in_the_plane_of_a_triangle_passes_it_and_hits_what_stands_there() {
     let alone = Geometry::mesh(&vertices[..3], &[[0, 1, 2]]).expect("a mesh");
     let flat = cast(&ray(DVec3::new(-1.0, 0.25, 0.0), DVec3::X), at(&alone, Pose::IDENTITY));
     assert!(flat.certain.is_none() && flat.undecided.is_none());
+}
+
+/// Hulls of points on the surface of a round body, and the same drawn around it.
+fn brackets(numbers: &mut Numbers) -> Vec<(&'static str, [Result<Geometry, GeometryError>; 3])> {
+    let half = DVec3::new(0.2 + share(numbers).abs(), 0.2 + share(numbers).abs(), 0.2 + share(numbers).abs());
+    let around = |k: u32| f64::from(k) * std::f64::consts::TAU / 24.0;
+    let ring = |radius: f64, y: f64| {
+        (0..24).map(move |k| DVec3::new(around(k).cos() * radius, y, around(k).sin() * radius)).collect::<Vec<_>>()
+    };
+    let wider = half.x / (std::f64::consts::PI / 24.0).cos() * (1.0 + 1e-12);
+    let narrower = half.x * (1.0 - 1e-12);
+    let apex = [DVec3::Y * half.y];
+    let ball: Vec<DVec3> = (0..200).map(|_| vector(numbers).normalize_or(DVec3::X)).collect();
+    let unit = Hull::new(&ball);
+    let least = unit.topology().faces.iter().map(|face| face.offset).fold(1.0, f64::min) * (1.0 - 1e-12);
+    let scaled = |by: f64| ball.iter().map(|&point| point * half * by).collect::<Vec<_>>();
+    let cylinder = |radius: f64| Geometry::hull(&[ring(radius, half.y), ring(radius, -half.y)].concat());
+    let cone = |radius: f64| Geometry::hull(&[&ring(radius, -half.y)[..], &apex].concat());
+    vec![
+        ("cylinder", [cylinder(narrower), Geometry::cylinder(half.y, half.x), cylinder(wider)]),
+        ("cone", [cone(narrower), Geometry::cone(half.y, half.x), cone(wider)]),
+        (
+            "ellipsoid",
+            [Geometry::hull(&scaled(1.0 - 1e-12)), Geometry::ellipsoid(half), Geometry::hull(&scaled(1.0 / least))],
+        ),
+    ]
+}
+
+#[test]
+fn a_round_body_is_met_between_a_hull_inside_and_one_around_it() {
+    let mut numbers = Numbers::new(59);
+    let mut hits = 0;
+    for round in 0..500 {
+        for (name, forms) in brackets(&mut numbers) {
+            let radius = if round % 3 == 0 { 0.3 } else { 0.0 };
+            let forms = forms.map(|form| form.and_then(|form| form.rounded(radius)).expect(name));
+            let here = pose(&mut numbers, 10.0);
+            let origin = here.position + vector(&mut numbers) * 9.0;
+            let asked = ray(origin, here.position + vector(&mut numbers) * 1.2 - origin);
+            let [inside, body, outside] = [0, 1, 2].map(|index| cast(&asked, at(&forms[index], here)));
+            let bound = |touches: RayTouches| Some(touches.certain.or(touches.undecided)?.certificate.bound);
+            if let Some(inside) = inside.certain {
+                let found = bound(body).expect(name);
+                assert!(found.lower <= inside.certificate.bound.upper, "{name}: {asked:?} {found:?} {inside:?}");
+            }
+            if let Some(body) = body.certain {
+                hits += 1;
+                let found = bound(outside).expect(name);
+                assert!(found.lower <= body.certificate.bound.upper, "{name}: {asked:?} {found:?} {body:?}");
+            }
+        }
+    }
+    assert!((450..1_050).contains(&hits), "{hits} hits of 1500");
 }
