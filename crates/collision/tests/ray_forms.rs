@@ -74,25 +74,10 @@ impl Body {
     }
 }
 
-/// From −1 to 1.
-fn share(numbers: &mut Numbers) -> f64 {
-    numbers.within(1 << 40) as f64 / (1_u64 << 40) as f64
-}
-
-fn vector(numbers: &mut Numbers) -> DVec3 {
-    DVec3::new(share(numbers), share(numbers), share(numbers))
-}
-
-/// A power of ten with an exponent in a range.
-fn magnitude(numbers: &mut Numbers, from: f64, to: f64) -> f64 {
-    let exponent = from + (to - from) * (0.5 * share(numbers) + 0.5);
-    10.0_f64.powf(exponent)
-}
-
 fn pose(numbers: &mut Numbers, far: f64) -> Pose {
-    let [x, y, z, w] = [0; 4].map(|_| share(numbers));
+    let [x, y, z, w] = [0; 4].map(|_| numbers.share());
     let rotation = if numbers.below(3) == 0 { DQuat::IDENTITY } else { DQuat::from_xyzw(x, y, z, w) };
-    Pose::new(vector(numbers) * far, rotation)
+    Pose::new(numbers.shares() * far, rotation)
 }
 
 /// How extreme the scenes are.
@@ -108,8 +93,8 @@ struct Spread {
 
 /// Half extents: the largest is the size of the form.
 fn half_extents(numbers: &mut Numbers, spread: Spread, is_round: bool) -> DVec3 {
-    let size = magnitude(numbers, -spread.scale, spread.scale);
-    let part = |numbers: &mut Numbers| (size * magnitude(numbers, -spread.aspect, 0.0)).max(1e-9);
+    let size = numbers.magnitude(-spread.scale, spread.scale);
+    let part = |numbers: &mut Numbers| (size * numbers.magnitude(-spread.aspect, 0.0)).max(1e-9);
     let mut half = DVec3::new(part(numbers), part(numbers), part(numbers));
     half[numbers.below(3) as usize] = size;
     if is_round {
@@ -121,18 +106,18 @@ fn half_extents(numbers: &mut Numbers, spread: Spread, is_round: bool) -> DVec3 
 
 /// A ray through two points of a box a little larger than the form, or at one of them from anywhere.
 fn random_ray(numbers: &mut Numbers, half: DVec3, pose: &Pose, spread: Spread) -> Ray {
-    let aim = vector(numbers) * half * 1.4;
+    let aim = numbers.shares() * half * 1.4;
     let size = half.max_element();
     let from = match numbers.below(2) {
-        0 => vector(numbers) * half * 1.4,
-        _ => aim + vector(numbers) * size,
+        0 => numbers.shares() * half * 1.4,
+        _ => aim + numbers.shares() * size,
     };
     let way = (aim - from).normalize_or(DVec3::X);
-    let origin = aim - way * size * magnitude(numbers, -0.5, spread.away);
+    let origin = aim - way * size * numbers.magnitude(-0.5, spread.away);
     let origin = pose.transform_point(origin);
     Ray {
         origin,
-        direction: (pose.transform_point(aim) - origin) * magnitude(numbers, -3.0, 3.0),
+        direction: (pose.transform_point(aim) - origin) * numbers.magnitude(-3.0, 3.0),
         min_distance: 0.0,
         max_distance: 1e18,
         hollow: false,
@@ -198,7 +183,7 @@ fn sweep(name: &str, body: fn(DVec3) -> Body, seed: u64, spread: Spread) -> Tall
     for _ in 0..if is_long_sweep() { 300_000 } else { 2_500 } {
         let half = half_extents(&mut numbers, spread, !matches!(body(DVec3::ONE), Body::Ellipsoid(_)));
         let body = body(half);
-        let far = half.max_element() * magnitude(&mut numbers, -1.0, 3.0);
+        let far = half.max_element() * numbers.magnitude(-1.0, 3.0);
         let pose = pose(&mut numbers, far.min(1e11));
         let ray = random_ray(&mut numbers, half, &pose, spread);
         let truth = body.truth(&Line::new(ray.origin, ray.direction, &pose));
@@ -279,7 +264,7 @@ fn farthest(body: Body, normal: DVec3) -> DVec3 {
 
 /// The normal of a body that is met at a place of its own kind: the side, an edge, an apex, anywhere.
 fn some_normal(numbers: &mut Numbers, body: Body) -> DVec3 {
-    let out = vector(numbers).normalize_or(DVec3::Y);
+    let out = numbers.shares().normalize_or(DVec3::Y);
     match (body, numbers.below(3)) {
         (Body::Cylinder(_), 0) => DVec3::new(out.x, 0.0, out.z).normalize_or(DVec3::X),
         (Body::Cone(half), 0) => {
@@ -309,12 +294,12 @@ fn grazing_rays_hit_above_their_error_and_miss_below_it() {
             // Along the side of a cone, or in any direction in the tangent plane.
             let touched = farthest(body, normal);
             let down = (DVec3::Y * half.y - touched).normalize_or(DVec3::X);
-            let aside = vector(&mut numbers).cross(normal).normalize_or(DVec3::X);
+            let aside = numbers.shares().cross(normal).normalize_or(DVec3::X);
             let is_along = numbers.below(3) == 0 && down.dot(normal).abs() < 0.9;
             let way = if is_along { down } else { aside };
             let way = (way - normal * way.dot(normal)).normalize_or(DVec3::X);
-            let gap = magnitude(&mut numbers, -18.0, -9.0) * if numbers.below(2) == 0 { size } else { -size };
-            let away = size * magnitude(&mut numbers, -0.5, 1.5);
+            let gap = numbers.magnitude(-18.0, -9.0) * if numbers.below(2) == 0 { size } else { -size };
+            let away = size * numbers.magnitude(-0.5, 1.5);
             let aim = touched + normal * gap;
             let origin = pose.transform_point(aim - way * away);
             let ray = Ray {

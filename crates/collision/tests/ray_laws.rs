@@ -27,19 +27,10 @@ fn cast(ray: &Ray, target: Placed<'_>) -> RayTouches {
     raycast(ray, target, &EXACT, &mut Work::default())
 }
 
-/// From −1 to 1.
-fn share(numbers: &mut Numbers) -> f64 {
-    numbers.within(1 << 40) as f64 / (1_u64 << 40) as f64
-}
-
-fn vector(numbers: &mut Numbers) -> DVec3 {
-    DVec3::new(share(numbers), share(numbers), share(numbers))
-}
-
 /// One of each kind of form, of a size of about 1, rounded ones and flat ones among them.
 fn forms(numbers: &mut Numbers) -> Vec<(&'static str, Geometry)> {
-    let size = |numbers: &mut Numbers| 0.2 + 0.8 * share(numbers).abs();
-    let points: Vec<DVec3> = (0..12).map(|_| vector(numbers)).collect();
+    let size = |numbers: &mut Numbers| 0.2 + 0.8 * numbers.share().abs();
+    let points: Vec<DVec3> = (0..12).map(|_| numbers.shares()).collect();
     let flat: Vec<DVec3> = points.iter().map(|point| DVec3::new(point.x, point.y, 0.25)).collect();
     let half = DVec3::new(size(numbers), size(numbers), size(numbers));
     let forms = [
@@ -68,8 +59,8 @@ fn forms(numbers: &mut Numbers) -> Vec<(&'static str, Geometry)> {
 }
 
 fn pose(numbers: &mut Numbers, far: f64) -> Pose {
-    let [x, y, z, w] = [0; 4].map(|_| share(numbers));
-    Pose::new(vector(numbers) * far, DQuat::from_xyzw(x, y, z, w))
+    let [x, y, z, w] = [0; 4].map(|_| numbers.share());
+    Pose::new(numbers.shares() * far, DQuat::from_xyzw(x, y, z, w))
 }
 
 /// How far a point is from a placed form.
@@ -90,8 +81,8 @@ fn the_touch_is_on_the_surface_and_the_way_to_it_is_free() {
         for (name, form) in forms(&mut numbers) {
             let pose = pose(&mut numbers, far);
             let target = at(&form, pose);
-            let origin = pose.position + vector(&mut numbers) * away;
-            let aim = pose.position + vector(&mut numbers) * 0.9;
+            let origin = pose.position + numbers.shares() * away;
+            let aim = pose.position + numbers.shares() * 0.9;
             let ray = ray(origin, (aim - origin) * 0.37);
             let touches = cast(&ray, target);
             let size = away + far + 4.0;
@@ -159,8 +150,8 @@ fn scaling_by_a_power_of_two_changes_no_other_bit() {
             let here = pose(&mut numbers, 10.0);
             let there = Pose::new(here.position * scale, here.rotation);
             let larger = form.clone().scaled(scale).expect("within the limits");
-            let origin = vector(&mut numbers) * 20.0;
-            let direction = here.position + vector(&mut numbers) - origin;
+            let origin = numbers.shares() * 20.0;
+            let direction = here.position + numbers.shares() - origin;
             let a = cast(&ray(origin, direction), at(&form, here));
             let b = cast(&ray(origin * scale, direction), at(&larger, there));
             assert_same_bits(name, a.certain, b.certain, scale);
@@ -175,8 +166,8 @@ fn the_length_of_the_direction_and_of_the_quaternion_do_not_matter() {
     for _ in 0..300 {
         for (name, form) in forms(&mut numbers) {
             let here = pose(&mut numbers, 10.0);
-            let origin = vector(&mut numbers) * 20.0;
-            let direction = here.position + vector(&mut numbers) - origin;
+            let origin = numbers.shares() * 20.0;
+            let direction = here.position + numbers.shares() - origin;
             let a = cast(&ray(origin, direction), at(&form, here));
             for length in [2.0_f64.powi(-900), 2.0_f64.powi(900)] {
                 let there = Pose::new(here.position, here.rotation * (1.0 / 1024.0));
@@ -194,8 +185,8 @@ fn a_rigid_motion_of_everything_keeps_the_answer_within_its_bounds() {
     for _ in 0..300 {
         for (name, form) in forms(&mut numbers) {
             let here = pose(&mut numbers, 10.0);
-            let origin = vector(&mut numbers) * 20.0;
-            let direction = here.position + vector(&mut numbers) - origin;
+            let origin = numbers.shares() * 20.0;
+            let direction = here.position + numbers.shares() - origin;
             let motion = pose(&mut numbers, 100.0);
             let moved = Pose::new(motion.transform_point(here.position), motion.unit_rotation() * here.unit_rotation());
             let a = cast(&ray(origin, direction), at(&form, here));
@@ -217,12 +208,12 @@ fn winding_and_order_of_triangles_do_not_matter() {
     let mut numbers = Numbers::new(53);
     let mut hits = 0;
     for round in 0..2_000 {
-        let points: Vec<DVec3> = (0..8).map(|_| vector(&mut numbers)).collect();
+        let points: Vec<DVec3> = (0..8).map(|_| numbers.shares()).collect();
         let triangles = [[0, 1, 2], [2, 1, 3], [3, 4, 5], [5, 4, 6], [6, 7, 0]];
         let reversed = triangles.map(|[a, b, c]| [a, c, b]);
-        let here = if round % 2 == 0 { Pose::at(vector(&mut numbers)) } else { pose(&mut numbers, 1.0) };
-        let origin = vector(&mut numbers) * 10.0;
-        let aim = points[round % 8] * share(&mut numbers);
+        let here = if round % 2 == 0 { Pose::at(numbers.shares()) } else { pose(&mut numbers, 1.0) };
+        let origin = numbers.shares() * 10.0;
+        let aim = points[round % 8] * numbers.share();
         let ray = ray(origin, here.transform_point(aim) - origin);
         let touches = [triangles, reversed].map(|triangles| {
             let mesh = Geometry::mesh(&points, &triangles).expect("a mesh");
@@ -305,7 +296,7 @@ fn a_ray_in_the_plane_of_a_triangle_passes_it_and_hits_what_stands_there() {
 
 /// Hulls of points on the surface of a round body, and the same drawn around it.
 fn brackets(numbers: &mut Numbers) -> Vec<(&'static str, [Result<Geometry, GeometryError>; 3])> {
-    let half = DVec3::new(0.2 + share(numbers).abs(), 0.2 + share(numbers).abs(), 0.2 + share(numbers).abs());
+    let half = DVec3::new(0.2 + numbers.share().abs(), 0.2 + numbers.share().abs(), 0.2 + numbers.share().abs());
     let around = |k: u32| f64::from(k) * std::f64::consts::TAU / 24.0;
     let ring = |radius: f64, y: f64| {
         (0..24).map(move |k| DVec3::new(around(k).cos() * radius, y, around(k).sin() * radius)).collect::<Vec<_>>()
@@ -313,7 +304,7 @@ fn brackets(numbers: &mut Numbers) -> Vec<(&'static str, [Result<Geometry, Geome
     let wider = half.x / (std::f64::consts::PI / 24.0).cos() * (1.0 + 1e-12);
     let narrower = half.x * (1.0 - 1e-12);
     let apex = [DVec3::Y * half.y];
-    let ball: Vec<DVec3> = (0..200).map(|_| vector(numbers).normalize_or(DVec3::X)).collect();
+    let ball: Vec<DVec3> = (0..200).map(|_| numbers.shares().normalize_or(DVec3::X)).collect();
     let unit = Hull::new(&ball);
     let least = unit.topology().faces.iter().map(|face| face.offset).fold(1.0, f64::min) * (1.0 - 1e-12);
     let scaled = |by: f64| ball.iter().map(|&point| point * half * by).collect::<Vec<_>>();
@@ -338,8 +329,8 @@ fn a_round_body_is_met_between_a_hull_inside_and_one_around_it() {
             let radius = if round % 3 == 0 { 0.3 } else { 0.0 };
             let forms = forms.map(|form| form.and_then(|form| form.rounded(radius)).expect(name));
             let here = pose(&mut numbers, 10.0);
-            let origin = here.position + vector(&mut numbers) * 9.0;
-            let asked = ray(origin, here.position + vector(&mut numbers) * 1.2 - origin);
+            let origin = here.position + numbers.shares() * 9.0;
+            let asked = ray(origin, here.position + numbers.shares() * 1.2 - origin);
             let [inside, body, outside] = [0, 1, 2].map(|index| cast(&asked, at(&forms[index], here)));
             let bound = |touches: RayTouches| Some(touches.certain.or(touches.undecided)?.certificate.bound);
             if let Some(inside) = inside.certain {

@@ -20,19 +20,10 @@ fn cast(ray: &Ray, geometry: &Geometry, pose: Pose) -> RayTouches {
     raycast(ray, Placed { geometry, pose }, &Accuracy::default(), &mut Work::default())
 }
 
-/// From −1 to 1.
-fn share(numbers: &mut Numbers) -> f64 {
-    numbers.within(1 << 40) as f64 / (1_u64 << 40) as f64
-}
-
-fn vector(numbers: &mut Numbers) -> DVec3 {
-    DVec3::new(share(numbers), share(numbers), share(numbers))
-}
-
 fn pose(numbers: &mut Numbers) -> Pose {
-    let [x, y, z, w] = [0; 4].map(|_| share(numbers));
+    let [x, y, z, w] = [0; 4].map(|_| numbers.share());
     let rotation = if numbers.below(2) == 0 { DQuat::IDENTITY } else { DQuat::from_xyzw(x, y, z, w) };
-    Pose::new(vector(numbers) * 10.0, rotation)
+    Pose::new(numbers.shares() * 10.0, rotation)
 }
 
 /// The surface of a hull as triangles, counter-clockwise from outside.
@@ -53,13 +44,13 @@ fn a_body_and_its_skin_agree_on_fronts_and_backs() {
     let mut numbers = Numbers::new(71);
     let mut counts = [[0_u32; 2]; 2];
     for round in 0..2_000 {
-        let points: Vec<DVec3> = (0..12).map(|_| vector(&mut numbers)).collect();
+        let points: Vec<DVec3> = (0..12).map(|_| numbers.shares()).collect();
         let hull = Geometry::hull(&points).expect("a hull");
         let mesh = skin(&hull);
         let pose = pose(&mut numbers);
         let away = if round % 2 == 0 { 5.0 } else { 0.3 };
-        let origin = pose.position + vector(&mut numbers) * away;
-        let aim = pose.position + vector(&mut numbers);
+        let origin = pose.position + numbers.shares() * away;
+        let aim = pose.position + numbers.shares();
         for (index, faces) in [Faces::Front, Faces::Back].into_iter().enumerate() {
             let ray = Ray { faces, ..ray(origin, aim - origin) };
             let (body, surface) = (cast(&ray, &hull, pose).certain, cast(&ray, &mesh, pose).certain);
@@ -79,11 +70,11 @@ fn a_body_and_its_skin_agree_on_fronts_and_backs() {
 fn both_is_the_nearer_of_front_and_back() {
     let mut numbers = Numbers::new(73);
     for _ in 0..3_000 {
-        let points: Vec<DVec3> = (0..9).map(|_| vector(&mut numbers)).collect();
+        let points: Vec<DVec3> = (0..9).map(|_| numbers.shares()).collect();
         let mesh = Geometry::mesh(&points, &[[0, 1, 2], [2, 1, 3], [3, 4, 5], [6, 7, 8], [0, 4, 8]]).expect("a mesh");
         let pose = pose(&mut numbers);
-        let origin = pose.position + vector(&mut numbers) * 3.0;
-        let both = ray(origin, pose.position + vector(&mut numbers) * 0.4 - origin);
+        let origin = pose.position + numbers.shares() * 3.0;
+        let both = ray(origin, pose.position + numbers.shares() * 0.4 - origin);
         let at = |faces: Faces| cast(&Ray { faces, ..both }, &mesh, pose).certain.map(|touch| touch.distance);
         let nearer = [at(Faces::Front), at(Faces::Back)].into_iter().flatten().reduce(f64::min);
         assert_eq!(at(Faces::Both), nearer);
@@ -142,16 +133,16 @@ fn weights_are_those_of_the_corners_in_the_order_sent() {
     let mut worst = 0.0_f64;
     for round in 0..4_000 {
         let away = [3.0, 1e3, 1e6][round % 3];
-        let points: Vec<DVec3> = (0..3).map(|_| vector(&mut numbers)).collect();
+        let points: Vec<DVec3> = (0..3).map(|_| numbers.shares()).collect();
         let order = [[0, 1, 2], [1, 2, 0], [2, 1, 0]][numbers.below(3) as usize];
         let mesh = Geometry::mesh(&points, &[order]).expect("a triangle");
-        let (s, t) = (share(&mut numbers).abs(), share(&mut numbers).abs());
+        let (s, t) = (numbers.share().abs(), numbers.share().abs());
         let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
         let weights = DVec3::new(1.0 - s - t, s, t);
         let [a, b, c] = order.map(|index| points[index as usize]);
         let pose = pose(&mut numbers);
         let aim = pose.transform_point(a * weights.x + b * weights.y + c * weights.z);
-        let origin = aim + vector(&mut numbers) * away;
+        let origin = aim + numbers.shares() * away;
         let direction = aim - origin;
         let Some(touch) = cast(&ray(origin, direction), &mesh, pose).certain else { continue };
         let found = touch.barycentric.expect("a triangle");

@@ -30,6 +30,21 @@ impl Numbers {
         self.below(2 * limit + 1) - limit
     }
 
+    /// From −1 to 1.
+    pub(crate) fn share(&mut self) -> f64 {
+        self.within(1 << 40) as f64 / (1_u64 << 40) as f64
+    }
+
+    /// Each component from −1 to 1.
+    pub(crate) fn shares(&mut self) -> DVec3 {
+        DVec3::new(self.share(), self.share(), self.share())
+    }
+
+    /// A power of ten with an exponent in a range.
+    pub(crate) fn magnitude(&mut self, from: f64, to: f64) -> f64 {
+        10.0_f64.powf(from + (to - from) * (0.5 * self.share() + 0.5))
+    }
+
     /// Each component from `-limit` to `limit`.
     pub(crate) fn vector(&mut self, limit: i128) -> V3 {
         [0; 3].map(|_| self.within(limit))

@@ -16,6 +16,7 @@ pub(super) struct Crossing {
     /// Whether it is proved that the line meets the body. If not, the bounds hold should it do so.
     pub certain: bool,
     pub method: Method,
+    pub stop: Stop,
     pub iterations: u32,
 }
 
@@ -89,6 +90,7 @@ impl Crossing {
             barycentric: None,
             certificate: Certificate {
                 method: self.method,
+                stop: self.stop,
                 iterations: self.iterations,
                 ..certificate(judged.verdict, judged.bound)
             },

@@ -8,6 +8,7 @@
 //! # Never
 //! A miss that is not proved: what rounding leaves open is an undecided touch.
 
+mod advance;
 mod cone;
 mod crossing;
 mod cylinder;
@@ -15,6 +16,7 @@ mod ellipsoid;
 mod frame;
 mod half_space;
 mod mesh;
+mod nearest;
 mod polytope;
 mod round;
 mod rounded;
@@ -24,9 +26,11 @@ mod triangle;
 use glam::DVec3;
 
 use self::{
+    advance::Rounded,
     cone::Cone,
     crossing::Crossing,
     frame::{LocalRay, Target},
+    nearest::Solid,
     round::Round,
 };
 use super::Placed;
@@ -153,7 +157,7 @@ pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Wo
     }
     let crossing = match (simple_crossing(&local, convex, about), convex.radius > 0.0) {
         (Some(found), _) => found,
-        (None, true) => rounded::crossing(&local, convex, about, accuracy, work),
+        (None, true) => rounded_crossing(&local, convex, about, accuracy, work),
         (None, false) => core_crossing(&local, &convex.core, about.center),
     };
     crossing.map_or_else(RayTouches::default, |crossing| crossing.touches(ray, &local, &target.pose))
@@ -187,6 +191,25 @@ fn ends(hull: &Hull) -> Option<(DVec3, DVec3)> {
         Span::Point => Some((vertex(0), vertex(0))),
         Span::Segment => Some((vertex(topology.edges[0].start), vertex(topology.edges[0].end))),
         Span::Polygon | Span::Solid => None,
+    }
+}
+
+fn rounded_crossing(
+    local: &LocalRay,
+    convex: &Convex,
+    about: Target,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Option<Crossing> {
+    let core = || core_crossing(local, &convex.core, about.center);
+    match Solid::of(&convex.core) {
+        Some(solid) => {
+            let body = Rounded { core: solid, radius: convex.radius, reach: about.radius };
+            let crossing = body.crossing(local, accuracy, core)?;
+            work.iterations += u64::from(crossing.iterations);
+            Some(crossing)
+        }
+        None => rounded::crossing(local, convex, about, accuracy, work),
     }
 }
 

@@ -15,7 +15,7 @@ use super::{
     frame::LocalRay,
 };
 use crate::{
-    answer::{Bound, Method},
+    answer::{Bound, Method, Stop},
     shape::{Hull, Span},
 };
 
@@ -186,7 +186,14 @@ impl Clip {
             entry.bound.upper = entry.bound.upper.max(exit.bound.upper);
             exit.bound.lower = exit.bound.lower.min(entry.bound.lower);
         }
-        Crossing { entry, exit, certain: self.certain, method: Method::ClosedForm, iterations: 1 }
+        Crossing {
+            entry,
+            exit,
+            certain: self.certain,
+            method: Method::ClosedForm,
+            stop: Stop::Converged,
+            iterations: 1,
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Rays against all that is rounded but balls and capsules: a ray is a moving point.
+//! Rays against rounded hulls and polygons: a ray is a moving point.
 //!
 //! # Method
 //! As for balls, the body is taken once larger and once smaller by the error of the ray. Only the stretch within the
@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Method, Verdict, Work},
+    answer::{Bound, Method, Stop, Verdict, Work},
     math::Pose,
     narrow::{
         ImpactTouch, InitialTouch, Motion,
@@ -57,6 +57,7 @@ pub(super) fn crossing(
         exit: wall(exit_bound, exit_at(exit.best), exit.normal.unwrap_or(ray.direction)),
         certain: inner.is_some(),
         method: Method::Advancement,
+        stop: if entry.stop == Stop::Budget { entry.stop } else { exit.stop },
         iterations: entry.iterations.saturating_add(exit.iterations),
     })
 }
@@ -74,6 +75,7 @@ struct Arrival {
     best: f64,
     normal: Option<DVec3>,
     certain: bool,
+    stop: Stop,
     iterations: u32,
 }
 
@@ -83,6 +85,7 @@ impl Caster<'_> {
         let inner = if self.body.radius > self.margin { self.cast(-self.margin, origin, motion, work) } else { None };
         let middle = self.cast(0.0, origin, motion, work);
         let casts = [Some(outer), inner, middle].into_iter().flatten();
+        let is_spent = casts.clone().any(|touch| touch.certificate.stop == Stop::Budget);
         let iterations = casts.map(|touch| touch.certificate.iterations).fold(0, u32::saturating_add);
         let inner = inner.filter(|touch| touch.certificate.verdict == Verdict::Hit);
         let best = middle.map_or(outer.fraction, |touch| touch.fraction);
@@ -91,6 +94,7 @@ impl Caster<'_> {
             best,
             normal: middle.unwrap_or(outer).normal_b_to_a,
             certain: inner.is_some(),
+            stop: if is_spent { Stop::Budget } else { Stop::Converged },
             iterations,
         })
     }

@@ -16,7 +16,7 @@ use super::{
     crossing::{Crossing, Wall},
     frame::LocalRay,
 };
-use crate::answer::{Bound, Method};
+use crate::answer::{Bound, Method, Stop};
 
 /// A part of a line: metres from its foot, `begin` not after `end`.
 #[derive(Clone, Copy, Debug)]
@@ -65,12 +65,9 @@ impl Nested {
     /// Where the line crosses the body; `normal_at` tells the outward normal at a point of the line.
     pub(super) fn crossing(self, ray: &LocalRay, normal_at: impl Fn(DVec3) -> DVec3) -> Crossing {
         let Self { outer, inner, best } = self;
-        let (entry, exit) = match inner {
-            Some(inner) => (Bound::new(outer.begin, inner.begin), Bound::new(inner.end, outer.end)),
-            None => (Bound::new(outer.begin, outer.end), Bound::new(outer.begin, outer.end)),
-        };
+        let (entry, exit) = walls(ray, outer, inner);
         let wall = |bound: Bound, best: f64| Wall {
-            bound: Bound::new(bound.lower + ray.shift - ray.error, bound.upper + ray.shift + ray.error),
+            bound,
             best: best + ray.shift,
             normal: normal_at(ray.foot + ray.direction * best),
             face: None,
@@ -80,8 +77,19 @@ impl Nested {
             exit: wall(exit, best.end),
             certain: inner.is_some(),
             method: Method::ClosedForm,
+            stop: Stop::Converged,
             iterations: 1,
         }
+    }
+}
+
+/// Between what of a larger and of a smaller body, if that is surely crossed, entry and exit lie: metres along the ray.
+pub(super) fn walls(ray: &LocalRay, outer: Stretch, inner: Option<Stretch>) -> (Bound, Bound) {
+    let moved =
+        |lower: f64, upper: f64| Bound::new(lower + ray.shift - ray.error, upper.max(lower) + ray.shift + ray.error);
+    match inner {
+        Some(inner) => (moved(outer.begin, inner.begin), moved(inner.end.min(outer.end), outer.end)),
+        None => (moved(outer.begin, outer.end), moved(outer.begin, outer.end)),
     }
 }
 
