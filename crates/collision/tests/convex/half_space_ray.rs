@@ -16,7 +16,7 @@ fn cast(ray: &Ray, normal: DVec3, offset: f64, pose: Pose) -> RayTouches {
 }
 
 fn ray(origin: DVec3, direction: DVec3) -> Ray {
-    Ray { origin, direction, min_distance: 0.0, max_distance: 4e12, hollow: false }
+    Ray { origin, direction, min_distance: 0.0, max_distance: 4e12, hollow: false, faces: narrow::Faces::Both }
 }
 
 #[test]

@@ -15,7 +15,7 @@ use super::{
     crossing::{Crossing, Judged, Wall},
 };
 use crate::{
-    answer::{Bound, Method},
+    answer::{Bound, Method, Stop},
     math::{Pose, scaled_by_power_of_two, twofold::Twofold},
     narrow::half_space::{ExactPlane, Height, Plane, difference, unit},
     shape::HalfSpace,
@@ -117,7 +117,14 @@ fn crossing(height: Range, climb: Range, normal: DVec3) -> Option<Crossing> {
         }
     };
     let wall = |(best, bound): (f64, Bound)| Wall { bound, best, normal, face: None };
-    Some(Crossing { entry: wall(entry), exit: wall(exit), certain, method: Method::ClosedForm, iterations: 1 })
+    Some(Crossing {
+        entry: wall(entry),
+        exit: wall(exit),
+        certain,
+        method: Method::ClosedForm,
+        stop: Stop::Converged,
+        iterations: 1,
+    })
 }
 
 /// `a / b` for a `b` above 0.
