@@ -28,6 +28,7 @@ pub struct Hull {
     bounds: Aabb,
     topology: OnceLock<Topology>,
     slopes: OnceLock<Slopes>,
+    normals: OnceLock<Columns>,
 }
 
 impl Hull {
@@ -48,6 +49,7 @@ impl Hull {
             vertices,
             topology: OnceLock::new(),
             slopes: OnceLock::new(),
+            normals: OnceLock::new(),
         }
     }
 
@@ -122,6 +124,18 @@ impl Hull {
         self.topology.get_or_init(|| quickhull::topology(&self.vertices))
     }
 
+    /// The face that looks most along `direction` (local frame), of equal ones the first; `None` if there are none. The
+    /// first call builds the topology and the columns of its normals.
+    #[must_use]
+    pub fn facing(&self, direction: DVec3) -> Option<&Face> {
+        let faces = &self.topology().faces;
+        if faces.is_empty() {
+            return None;
+        }
+        let columns = || Columns::new(&faces.iter().map(|face| face.normal).collect::<Vec<_>>());
+        faces.get(self.normals.get_or_init(columns).farthest(direction) as usize)
+    }
+
     fn slopes(&self) -> &Slopes {
         self.slopes.get_or_init(|| Slopes::new(&self.vertices, self.topology()))
     }
@@ -133,7 +147,8 @@ impl Hull {
             let corners: usize = topology.faces.iter().map(|face| face.vertices.len() * size_of::<u32>()).sum();
             corners + topology.faces.len() * size_of::<Face>() + topology.edges.len() * size_of::<Edge>()
         });
-        let slopes = self.slopes.get().map_or(0, Slopes::memory_bytes);
+        let slopes =
+            self.slopes.get().map_or(0, Slopes::memory_bytes) + self.normals.get().map_or(0, Columns::memory_bytes);
         let points = self.vertices.len() * size_of::<DVec3>() + self.columns.memory_bytes();
         (size_of::<Self>() + points + topology + slopes) as u64
     }

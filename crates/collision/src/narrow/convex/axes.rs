@@ -50,6 +50,13 @@ pub(super) struct Depth {
     pub(super) stop: Stop,
 }
 
+impl Depth {
+    /// The corners that lie farthest along the normal, by number.
+    pub(super) fn corners(&self, pair: &Pair<'_>) -> [u32; 2] {
+        [pair.a.support(-self.normal).index, pair.b.support(self.normal).index]
+    }
+}
+
 /// An edge in the pair's frame.
 struct Edge {
     ends: [Corner; 2],

@@ -12,7 +12,7 @@ use glam::{DMat3, DVec3};
 
 use crate::{
     math::Norm,
-    shape::{Convex, Core, Hull},
+    shape::{Convex, Core},
 };
 
 /// A core in the pair's frame.
@@ -116,11 +116,6 @@ impl Body<'_> {
             | Core::Cone { .. }
             | Core::Ellipsoid { .. } => self.position,
         }
-    }
-
-    /// The hull's faces and edges, if the core is a hull.
-    pub(super) fn hull(&self) -> Option<&Hull> {
-        if let Core::Hull(hull) = self.core { Some(hull) } else { None }
     }
 
     /// A local point in the frame.

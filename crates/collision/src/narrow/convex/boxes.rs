@@ -10,7 +10,8 @@
 //! projected on them (two cubes tilted by 1e-16 lose 0.76 of their depth otherwise).
 //!
 //! # Limits
-//! A positive result is a lower bound of the distance only: what is nearest may be a corner.
+//! A positive separation is a lower bound of the distance only: what is nearest may be a corner. Where the points that belong
+//! to the axis are as far apart as it says, it is the distance.
 
 use glam::{DMat3, DVec3};
 
@@ -18,22 +19,27 @@ use super::{
     axes::Depth,
     body::{Body, Corner},
     frame::Pair,
+    gjk::Gap,
+    simplex::{Simplex, Vertex},
 };
 use crate::{
-    answer::Stop,
+    answer::{Method, Stop},
     math::Norm,
     shape::Core,
-    tolerance::{AXIS_LEAN, PAIR_ROUNDING},
+    tolerance::{AXIS_LEAN, DEPTH_WIDTH, PAIR_ROUNDING},
 };
 
+/// How often a point is taken from one box to the other: one to three times unless they overlap in a wedge only.
+const COMMON_ROUNDS: usize = 8;
+
 /// A pair of boxes in the first one's axes.
-struct Boxes {
-    half_a: DVec3,
-    half_b: DVec3,
+pub(super) struct Boxes {
+    pub(super) half_a: DVec3,
+    pub(super) half_b: DVec3,
     /// Columns are the second box's axes.
-    turn: DMat3,
+    pub(super) turn: DMat3,
     /// Of the second box's middle.
-    position: DVec3,
+    pub(super) position: DVec3,
 }
 
 /// The axis of greatest separation so far. A face is kept unless an edge pair is better by more than rounding.
@@ -46,34 +52,104 @@ struct Best {
     tested: u32,
 }
 
-/// Measures along all axes until one parts the boxes by more than `enough`; `None` if one of the two is no box.
-pub(super) fn depth(pair: &Pair<'_>, enough: f64) -> Option<Depth> {
-    let boxes = Boxes {
-        half_a: half_extents(&pair.a)?,
-        half_b: half_extents(&pair.b)?,
-        turn: pair.b.rotation,
-        position: pair.b.position,
+/// The gap of two boxes of which a face or an edge pair surely is what is nearest, or that surely overlap; `None` if that is
+/// not so, or if one of the two is no box.
+pub(super) fn gap(pair: &Pair<'_>) -> Option<Gap> {
+    let boxes = Boxes::of(pair)?;
+    let depth = boxes.measure(pair, f64::INFINITY);
+    let (lower, inside, (on_a, on_b)) = if depth.lower > PAIR_ROUNDING {
+        let common = boxes.common_point()?;
+        (0.0, depth.lower, (common, common))
+    } else {
+        (-depth.upper, 0.0, boxes.nearest(pair, depth.normal, depth.edges)?)
     };
-    let mut best =
-        Best { separation: f64::NEG_INFINITY, highest: f64::NEG_INFINITY, normal: DVec3::X, edges: None, tested: 0 };
-    boxes.faces(&mut best);
-    if best.separation <= enough {
-        boxes.edges(&mut best, enough);
-    }
-    Some(Depth {
-        best: -best.separation,
-        lower: -best.highest - AXIS_LEAN,
-        upper: -best.separation + PAIR_ROUNDING,
-        normal: best.normal,
-        edges: best
-            .edges
-            .map(|[on_a, on_b]| [edge_corners(&pair.a, on_a, -best.normal), edge_corners(&pair.b, on_b, best.normal)]),
-        iterations: best.tested,
+    let apart = on_a - on_b;
+    let length = apart.norm();
+    let is_exact = inside > 0.0 || lower > PAIR_ROUNDING && length - lower <= 3.0 * PAIR_ROUNDING;
+    is_exact.then(|| Gap {
+        lower,
+        upper: length + PAIR_ROUNDING,
+        length,
+        normal: if inside > 0.0 { DVec3::ZERO } else { depth.normal },
+        simplex: Simplex::of(Vertex { point: apart, on_a, corners: depth.corners(pair) }),
+        inside,
+        iterations: depth.iterations,
+        method: Method::SeparatingAxes,
         stop: Stop::Converged,
     })
 }
 
+/// Measures along all axes until one parts the boxes by more than `enough`; `None` if one of the two is no box.
+pub(super) fn depth(pair: &Pair<'_>, enough: f64) -> Option<Depth> {
+    Some(Boxes::of(pair)?.measure(pair, enough))
+}
+
 impl Boxes {
+    pub(super) fn of(pair: &Pair<'_>) -> Option<Self> {
+        Some(Self {
+            half_a: half_extents(&pair.a)?,
+            half_b: half_extents(&pair.b)?,
+            turn: pair.b.rotation,
+            position: pair.b.position,
+        })
+    }
+
+    fn measure(&self, pair: &Pair<'_>, enough: f64) -> Depth {
+        let lowest = f64::NEG_INFINITY;
+        let mut best = Best { separation: lowest, highest: lowest, normal: DVec3::X, edges: None, tested: 0 };
+        self.faces(&mut best);
+        if best.separation <= enough {
+            self.edges(&mut best, enough);
+        }
+        Depth {
+            best: -best.separation,
+            lower: -best.highest - AXIS_LEAN,
+            upper: -best.separation + PAIR_ROUNDING,
+            normal: best.normal,
+            edges: best.edges.map(|edges| edge_ends(pair, edges, best.normal)),
+            iterations: best.tested,
+            stop: Stop::Converged,
+        }
+    }
+
+    /// Points of the two that are as far apart as an axis says, if they are over each other: a corner and its foot on a
+    /// face, or the crossing of two edges.
+    fn nearest(&self, pair: &Pair<'_>, normal: DVec3, edges: Option<[[Corner; 2]; 2]>) -> Option<(DVec3, DVec3)> {
+        if let Some([[p, q], [r, s]]) = edges {
+            let (u, v, w) = (q.point - p.point, s.point - r.point, p.point - r.point);
+            let across = u.cross(v);
+            let area = across.length_squared();
+            let (on_p, on_r) = (v.cross(w).dot(across) / area, u.cross(w).dot(across) / area);
+            let is_within = (0.0..=1.0).contains(&on_p) && (0.0..=1.0).contains(&on_r);
+            return is_within.then(|| (p.point + u * on_p, r.point + v * on_r));
+        }
+        Some(self.feet((pair.a.support(-normal).point, pair.b.support(normal).point)))
+    }
+
+    /// Of a corner of each box, that one with its foot on the other box which is nearer to it.
+    fn feet(&self, (on_a, on_b): (DVec3, DVec3)) -> (DVec3, DVec3) {
+        let local = self.turn.transpose() * (on_a - self.position);
+        let by_a = (on_b.clamp(-self.half_a, self.half_a), on_b);
+        let by_b = (on_a, self.turn * local.clamp(-self.half_b, self.half_b) + self.position);
+        let length_sq = |(on_a, on_b): (DVec3, DVec3)| (on_a - on_b).length_squared();
+        if length_sq(by_a) <= length_sq(by_b) { by_a } else { by_b }
+    }
+
+    /// A point of both boxes, sought by going from one to the nearest of the other; `None` if that takes long.
+    fn common_point(&self) -> Option<DVec3> {
+        let mut point = self.position * 0.5;
+        for _ in 0..COMMON_ROUNDS {
+            let in_a = point.clamp(-self.half_a, self.half_a);
+            let local = self.turn.transpose() * (in_a - self.position);
+            let clamped = local.clamp(-self.half_b, self.half_b);
+            if local == clamped {
+                return Some(in_a);
+            }
+            point = self.turn * clamped + self.position;
+        }
+        None
+    }
+
     fn faces(&self, best: &mut Best) {
         let (turn, position) = (&self.turn, self.position);
         let absolute = DMat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs());
@@ -151,6 +227,11 @@ pub(super) fn half_extents(body: &Body<'_>) -> Option<DVec3> {
     }
 }
 
+/// The ends of the edges along two axes, one of each box, that lie farthest towards each other.
+fn edge_ends(pair: &Pair<'_>, [on_a, on_b]: [usize; 2], normal: DVec3) -> [[Corner; 2]; 2] {
+    [edge_corners(&pair.a, on_a, -normal), edge_corners(&pair.b, on_b, normal)]
+}
+
 /// The ends of the edge along an axis that lies farthest along a direction.
 fn edge_corners(body: &Body<'_>, axis: usize, direction: DVec3) -> [Corner; 2] {
     if !matches!(body.core, Core::Cuboid { .. }) {
@@ -158,4 +239,12 @@ fn edge_corners(body: &Body<'_>, axis: usize, direction: DVec3) -> [Corner; 2] {
     }
     let index = body.support(direction).index;
     [body.corner(index & !(1 << axis)), body.corner(index | 1 << axis)]
+}
+
+/// Where two boxes touch across a unit vector from `b` to `a`, that of a face or of the edges along two axes: points of both,
+/// or `None` if they are farther apart than rounding.
+pub(super) fn touching(pair: &Pair<'_>, normal: DVec3, edges: Option<[usize; 2]>) -> Option<(DVec3, DVec3)> {
+    let edges = edges.map(|edges| edge_ends(pair, edges, normal));
+    let (on_a, on_b) = Boxes::of(pair)?.nearest(pair, normal, edges)?;
+    ((on_a - on_b).norm() <= DEPTH_WIDTH).then_some((on_a, on_b))
 }

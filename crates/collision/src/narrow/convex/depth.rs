@@ -17,6 +17,7 @@ use super::{
     frame::Pair,
     gjk::{self, Gap},
     inscribed,
+    manifold::{edge_names, names},
     warm::Seed,
 };
 use crate::{
@@ -36,6 +37,8 @@ pub(super) struct Touch {
     pub(super) witnesses: Option<(DVec3, DVec3)>,
     /// The edges that touch, where an edge pair gave the normal.
     pub(super) edges: Option<[[Corner; 2]; 2]>,
+    /// Names of the features that touch, on `a` and on `b`, where they are known.
+    pub(super) features: Option<[u16; 2]>,
     pub(super) method: Method,
     pub(super) stop: Stop,
     pub(super) iterations: u32,
@@ -134,6 +137,7 @@ impl Touch {
             normal: gap.normal,
             witnesses: Some(gap.witnesses()),
             edges: None,
+            features: Some(names(gap.simplex.vertices())),
             method: gap.method,
             stop: gap.stop,
             iterations: gap.iterations,
@@ -147,6 +151,7 @@ impl Touch {
             upper: depth.upper + radius,
             normal: depth.normal,
             witnesses: None,
+            features: depth.edges.map(edge_names),
             edges: depth.edges,
             method: Method::SeparatingAxes,
             stop: depth.stop,
@@ -162,6 +167,7 @@ impl Touch {
             normal: depth.normal,
             witnesses: Some(depth.witnesses),
             edges: None,
+            features: depth.features,
             method: Method::Epa,
             stop: depth.stop,
             iterations: depth.iterations,

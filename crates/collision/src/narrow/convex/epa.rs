@@ -33,7 +33,7 @@ use smallvec::{SmallVec, smallvec};
 
 use super::{
     frame::Pair,
-    gjk,
+    gjk, manifold,
     simplex::{Simplex, Vertex, nearest_of_triangle},
 };
 use crate::{
@@ -54,6 +54,8 @@ pub(super) struct Penetration {
     pub(super) normal: DVec3,
     /// Where the forms are deepest in each other: points of the cores, as far apart as the depth.
     pub(super) witnesses: (DVec3, DVec3),
+    /// Names of the features that `normal` comes from.
+    pub(super) features: Option<[u16; 2]>,
     pub(super) iterations: u32,
     pub(super) stop: Stop,
 }
@@ -99,6 +101,7 @@ pub(super) fn depth(
         upper: best.width + PAIR_ROUNDING,
         normal: DVec3::ZERO - best.normal,
         witnesses: best.witnesses(),
+        features: best.face.as_ref().map(|vertices| manifold::names(vertices)),
         iterations,
         stop,
     })

@@ -15,6 +15,8 @@ pub(super) struct Pair<'a> {
     pub(super) a: Body<'a>,
     pub(super) b: Body<'a>,
     scale: f64,
+    /// The reciprocal, as exact as that.
+    unscale: f64,
     axes: DMat3,
     origin: DVec3,
 }
@@ -41,6 +43,7 @@ impl<'a> Pair<'a> {
             a: body(a.convex, false, DMat3::IDENTITY, DVec3::ZERO),
             b: body(b.convex, is_turned, rotation, axes.transpose() * apart),
             scale,
+            unscale: 1.0 / scale,
             axes,
             origin: a.pose.position,
         }
@@ -58,7 +61,7 @@ impl<'a> Pair<'a> {
 
     /// A point of the frame in the world.
     pub(super) fn point_out(&self, point: DVec3) -> DVec3 {
-        self.axes * (point / self.scale) + self.origin
+        self.axes * (point * self.unscale) + self.origin
     }
 
     /// A unit vector of the frame in the world.
@@ -68,7 +71,7 @@ impl<'a> Pair<'a> {
 
     /// A length of the frame in metres; exact.
     pub(super) fn length_out(&self, length: f64) -> f64 {
-        length / self.scale + 0.0
+        length * self.unscale + 0.0
     }
 
     /// A length in metres in the frame; exact.

@@ -16,6 +16,7 @@
 use glam::DVec3;
 
 use super::{
+    boxes,
     frame::Pair,
     rods,
     simplex::{Simplex, Vertex},
@@ -69,7 +70,7 @@ pub(super) fn gap_warm(
     budget: u32,
     is_enough: impl Fn(f64, f64) -> bool,
 ) -> Gap {
-    if let Some(gap) = rods::gap(pair) {
+    if let Some(gap) = rods::gap(pair).or_else(|| boxes::gap(pair)) {
         return gap;
     }
     let known = seed.and_then(|seed| seed.simplex(pair));
@@ -122,8 +123,7 @@ impl<'a> Search<'a> {
             if length - self.lower <= 2.0 * PAIR_ROUNDING {
                 return self.end(Stop::Converged);
             }
-            let toward = nearest / length;
-            let vertex = self.raise_lower(toward);
+            let vertex = self.raise_lower(nearest, length);
             if is_enough(self.lower, length + PAIR_ROUNDING) {
                 return self.end(Stop::Tolerance);
             }
@@ -131,20 +131,21 @@ impl<'a> Search<'a> {
                 return self.end(Stop::Converged);
             }
             let is_settled = self.simplex.contains(&vertex) || !self.simplex.advance(&vertex);
-            if is_settled && !self.polish(toward, length) {
+            if is_settled && !self.polish(nearest / length, length) {
                 return self.end(Stop::Converged);
             }
         }
         self.end(Stop::Budget)
     }
 
-    /// Proves what the plane across `direction` can prove, and returns its vertex.
-    fn raise_lower(&mut self, direction: DVec3) -> Vertex {
+    /// Proves what the plane across `direction` of that `length` can prove, and returns its vertex. The support needs no
+    /// unit vector, so the processor seeks it while the root and the quotient are still on their way.
+    fn raise_lower(&mut self, direction: DVec3, length: f64) -> Vertex {
         let vertex = support(self.pair, direction);
-        let plane = direction.dot(vertex.point) - PAIR_ROUNDING;
+        let plane = direction.dot(vertex.point) / length - PAIR_ROUNDING;
         if plane > self.lower {
             self.lower = plane;
-            self.normal = direction;
+            self.normal = direction / length;
         }
         vertex
     }
@@ -160,7 +161,7 @@ impl<'a> Search<'a> {
     fn polish(&mut self, toward: DVec3, length: f64) -> bool {
         let mut features = self.simplex;
         for _ in 0..POLISH_ROUNDS {
-            let vertex = self.raise_lower(feature_normal(&features, toward));
+            let vertex = self.raise_lower(feature_normal(&features, toward), 1.0);
             if features.contains(&vertex) || length - self.lower <= 2.0 * PAIR_ROUNDING {
                 break;
             }

@@ -14,10 +14,11 @@
 use glam::DVec3;
 
 use super::{
-    PlacedConvex, cast,
+    PlacedConvex, boxes, cast,
     frame::Pair,
-    gjk, order, separation,
+    gjk, order, rods, separation,
     simplex::{self, Simplex},
+    slide::{self, Slide},
     warm::Seed,
 };
 use crate::{
@@ -108,14 +109,25 @@ impl<'a> Search<'a> {
     }
 
     fn first_touch(&mut self, initial: InitialTouch) -> Option<Touch> {
-        let approach = cast::approach(&self.pair, self.way, self.budget);
-        self.iterations = approach.iterations;
-        if approach.time > 1.0 {
-            return None;
+        let (mut time, mut normal, mut seed) = (0.0, None, None);
+        if let Some(slide) = slide::meeting(&self.pair, self.way) {
+            match slide {
+                Slide::Free => return None,
+                Slide::Touch { bound, normal, edges } if bound.lower > 0.0 => {
+                    return Some(self.slid_into(bound, normal, edges));
+                }
+                Slide::Touch { .. } | Slide::Open => {}
+            }
+        } else if !rods::applies(&self.pair) {
+            let approach = cast::approach(&self.pair, self.way, self.budget);
+            self.iterations = approach.iterations;
+            if approach.time > 1.0 {
+                return None;
+            }
+            time = approach.time;
+            normal = (approach.normal != DVec3::ZERO).then_some(approach.normal);
+            seed = Some(Seed::at(&approach.simplex, approach.normal));
         }
-        let mut time = approach.time;
-        let mut normal = (approach.normal != DVec3::ZERO).then_some(approach.normal);
-        let mut seed = Some(Seed::at(&approach.simplex, approach.normal));
         loop {
             self.go_to(time);
             let gap = gjk::gap_warm(&self.pair, &mut seed, self.budget, |_, upper| upper <= self.pair.radius());
@@ -130,6 +142,24 @@ impl<'a> Search<'a> {
                 Step::Closed(stop) if time == 0.0 => return self.initial_touch(&gap, normal, stop, initial),
                 Step::Closed(stop) => return Some(self.prove_touch(time, &gap, normal, stop)),
             }
+        }
+    }
+
+    /// The first touch of boxes, where it lies on the axis that parts them last.
+    fn slid_into(&mut self, bound: Bound, normal: DVec3, edges: Option<[usize; 2]>) -> Touch {
+        self.iterations += 1;
+        let fraction = 0.5 * bound.lower + 0.5 * bound.upper;
+        self.go_to(fraction);
+        let touching = boxes::touching(&self.pair, normal, edges);
+        let (on_a, on_b) = touching.unwrap_or_else(|| gjk::gap(&self.pair, self.budget, |_, _| false).witnesses());
+        Touch {
+            fraction,
+            bound,
+            verdict: Verdict::Hit,
+            stop: Stop::Converged,
+            normal: Some(normal),
+            point: on_a * 0.5 + on_b * 0.5,
+            is_initial: false,
         }
     }
 

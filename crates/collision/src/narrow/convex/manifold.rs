@@ -9,14 +9,16 @@
 //! Clipping: Sutherland, Hodgman (1974). Choice of four: deepest, farthest from it, largest triangle, largest addition.
 
 use glam::DVec3;
-use smallvec::{SmallVec, smallvec};
+use smallvec::SmallVec;
 
 use super::{
-    body::{Body, Corner},
+    body::Corner,
     depth::Touch,
+    facing::{Facing, facing},
     frame::Pair,
+    simplex::Vertex,
 };
-use crate::{math::Norm, shape::Core, tolerance::FLAT_CONTACT_SINE};
+use crate::math::Norm;
 
 /// A pair of points, on the surfaces of the rounded forms, in the pair's frame.
 pub(super) struct Point {
@@ -32,36 +34,30 @@ struct Clipped {
     name: u16,
 }
 
-type Corners = SmallVec<[Corner; 8]>;
 type Polygon = SmallVec<[Clipped; 12]>;
 type Points = SmallVec<[Point; 8]>;
 
-/// A core's face, edge or corner that looks along a direction.
-pub(super) struct Facing {
-    pub(super) corners: Corners,
-    /// Whether the corners lie flat across the direction.
-    is_flat: bool,
-}
-
 /// The points where two forms touch, deepest first; at least one, at most four.
 pub(super) fn points(pair: &Pair<'_>, touch: &Touch) -> Points {
-    let facing_a = facing(&pair.a, -touch.normal);
+    // The second form is the simpler one: where it touches with a corner there is nothing to clip.
     let facing_b = facing(&pair.b, touch.normal);
-    let kept = if facing_a.is_reference_for(&facing_b) {
-        clip(&facing_a, &facing_b, touch.normal, Side::A)
-    } else if facing_b.is_reference_for(&facing_a) {
-        clip(&facing_b, &facing_a, touch.normal, Side::B)
-    } else {
-        SmallVec::new()
-    };
-    let kept =
-        if kept.is_empty() { smallvec![single(pair, touch, &facing_a, &facing_b)] } else { four(kept, touch.normal) };
-    let grown = kept.into_iter().map(|point| Point {
-        on_a: point.on_a - touch.normal * pair.a.radius,
-        on_b: point.on_b + touch.normal * pair.b.radius,
-        ..point
-    });
-    grown.collect()
+    let mut kept = Points::new();
+    if facing_b.corners.len() > 1 {
+        let facing_a = facing(&pair.a, -touch.normal);
+        if facing_a.is_reference_for(&facing_b) {
+            kept = four(clip(&facing_a, &facing_b, touch.normal, Side::A), touch.normal);
+        } else if facing_b.is_reference_for(&facing_a) {
+            kept = four(clip(&facing_b, &facing_a, touch.normal, Side::B), touch.normal);
+        }
+    }
+    if kept.is_empty() {
+        kept.push(single(pair, touch));
+    }
+    for point in &mut kept {
+        point.on_a -= touch.normal * pair.a.radius;
+        point.on_b += touch.normal * pair.b.radius;
+    }
+    kept
 }
 
 /// Where two forms are deepest in each other, or nearest: on the surfaces of the rounded forms, in the pair's frame.
@@ -90,26 +86,6 @@ fn on_cores(pair: &Pair<'_>, touch: &Touch, is_face_of_a: impl FnOnce() -> bool)
 enum Side {
     A,
     B,
-}
-
-impl Facing {
-    fn is_flat_face(&self) -> bool {
-        self.is_flat && self.corners.len() > 2
-    }
-
-    /// A flat face can be clipped against; a flat edge only by another flat edge beside it.
-    fn is_reference_for(&self, other: &Self) -> bool {
-        if !self.is_flat || self.corners.len() < 2 {
-            return false;
-        }
-        self.corners.len() > 2 || {
-            let [p, q] = [self, other].map(|facing| {
-                let ends = &facing.corners;
-                (ends[ends.len() - 1].point - ends[0].point).try_unit().unwrap_or_default()
-            });
-            other.corners.len() == 2 && other.is_flat && p.cross(q).norm() <= FLAT_CONTACT_SINE
-        }
-    }
 }
 
 /// The part of `incident` that lies over `reference`, paired with its projection.
@@ -162,13 +138,14 @@ fn cut(polygon: &[Clipped], base: DVec3, outward: DVec3, name: u16) -> Polygon {
     kept
 }
 
-/// Names the point where the side `cut_by` crosses the edge between two named corners: a hash, so that the same features
-/// always have the same name and others hardly ever.
+/// Names the point where the side `cut_by` crosses the edge between two named corners.
 fn crossing(from: u16, to: u16, cut_by: u16) -> u16 {
-    let mut hash = 0x811C_9DC5u32;
-    for name in [from, to, cut_by] {
-        hash = (hash ^ u32::from(name)).wrapping_mul(0x0100_0193);
-    }
+    hash([from, to, cut_by].map(u32::from).into_iter())
+}
+
+/// The same features always have the same name, and others hardly ever.
+fn hash(names: impl Iterator<Item = u32>) -> u16 {
+    let hash = names.fold(0x811C_9DC5u32, |hash, name| (hash ^ name).wrapping_mul(0x0100_0193));
     0x8000 | ((hash ^ hash >> 15) & 0x7FFF) as u16
 }
 
@@ -206,10 +183,35 @@ fn area_sign(p: &Point, q: &Point, r: &Point, normal: DVec3) -> f64 {
 }
 
 /// The one point of a touch that is no flat one.
-fn single(pair: &Pair<'_>, touch: &Touch, facing_a: &Facing, facing_b: &Facing) -> Point {
-    let feature_pair = u32::from(short(facing_a.corners[0].index)) << 16 | u32::from(short(facing_b.corners[0].index));
-    let (on_a, on_b) = on_cores(pair, touch, || facing_a.is_flat_face());
-    Point { on_a, on_b, feature_pair }
+fn single(pair: &Pair<'_>, touch: &Touch) -> Point {
+    let (on_a, on_b) = on_cores(pair, touch, || facing(&pair.a, -touch.normal).is_flat_face());
+    let [name_a, name_b] = touch.features.unwrap_or_else(|| {
+        [pair.a.support(-touch.normal).index, pair.b.support(touch.normal).index].map(|index| name(&[index]))
+    });
+    Point { on_a, on_b, feature_pair: u32::from(name_a) << 16 | u32::from(name_b) }
+}
+
+/// Names the features that some vertices of the difference come from, on `a` and on `b`.
+pub(super) fn names(vertices: &[Vertex]) -> [u16; 2] {
+    [0, 1].map(|side: usize| {
+        let mut corners: SmallVec<[u32; 4]> = vertices.iter().map(|vertex| vertex.corners[side]).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        name(&corners)
+    })
+}
+
+/// Names a pair of edges.
+pub(super) fn edge_names(edges: [[Corner; 2]; 2]) -> [u16; 2] {
+    edges.map(|ends| name(&ends.map(|end| end.index)))
+}
+
+/// Names a corner by its number; an edge or a face, by its corners in order, by a hash of them.
+fn name(corners: &[u32]) -> u16 {
+    match corners {
+        [corner] => short(*corner),
+        _ => hash(corners.iter().copied()),
+    }
 }
 
 /// The nearest points of the lines through two edges that are not parallel.
@@ -225,55 +227,4 @@ fn nearest_of_lines([p, q]: [Corner; 2], [r, s]: [Corner; 2]) -> (DVec3, DVec3) 
 /// Names of corners are cut to 16 bits each; they name a pair within one contact, not in the world.
 pub(super) fn short(index: u32) -> u16 {
     (index & 0x7FFF) as u16
-}
-
-/// The face, edge or corner of a core that looks along `direction`.
-pub(super) fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
-    let corner = body.support(direction);
-    match body.core {
-        Core::Point | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => {
-            Facing { corners: smallvec![corner], is_flat: false }
-        }
-        Core::Segment { .. } => {
-            let is_flat = body.turn(DVec3::Y).dot(direction).abs() <= FLAT_CONTACT_SINE;
-            let corners = if is_flat { smallvec![body.corner(0), body.corner(1)] } else { smallvec![corner] };
-            Facing { corners, is_flat }
-        }
-        Core::Cuboid { .. } => cuboid_face(body, direction),
-        Core::Hull(_) => hull_face(body, direction).unwrap_or(Facing { corners: smallvec![corner], is_flat: false }),
-        Core::Triangle(_) => {
-            let corners: Corners = (0..3).map(|index| body.corner(index)).collect();
-            let [a, b, c] = [0, 1, 2].map(|i: usize| corners[i].point);
-            let normal = (b - a).cross(c - a).try_unit().unwrap_or_default();
-            Facing { is_flat: normal.cross(direction).norm() <= FLAT_CONTACT_SINE, corners }
-        }
-    }
-}
-
-fn cuboid_face(body: &Body<'_>, direction: DVec3) -> Facing {
-    let local = body.rotation.transpose() * direction;
-    let size = local.abs();
-    let axis = if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
-    };
-    let high = u32::from(local[axis] > 0.0) << axis;
-    let (second, third) = (1u32 << ((axis + 1) % 3), 1u32 << ((axis + 2) % 3));
-    let corners = [0, second, second | third, third].map(|rest| body.corner(high | rest));
-    let corners = Corners::from_slice(&corners);
-    let mut lean = local;
-    lean[axis] = 0.0;
-    Facing { corners, is_flat: lean.norm() <= FLAT_CONTACT_SINE }
-}
-
-fn hull_face(body: &Body<'_>, direction: DVec3) -> Option<Facing> {
-    let faces = &body.hull()?.topology().faces;
-    let local = body.rotation.transpose() * direction;
-    let best =
-        faces.iter().reduce(|best, face| if face.normal.dot(local) > best.normal.dot(local) { face } else { best })?;
-    let corners = best.vertices.iter().map(|&vertex| body.corner(vertex)).collect();
-    Some(Facing { corners, is_flat: best.normal.cross(local).norm() <= FLAT_CONTACT_SINE })
 }

@@ -34,6 +34,11 @@ use crate::{
     tolerance::PAIR_ROUNDING,
 };
 
+/// Whether the formula is meant for the two cores.
+pub(super) fn applies(pair: &Pair<'_>) -> bool {
+    matches!(pair.b.core, Core::Point | Core::Segment { .. }) && half_extents(&pair.a).is_some()
+}
+
 /// The gap, if the second core is a segment or a point and the first one is these or a box, and if the formula is exact.
 pub(super) fn gap(pair: &Pair<'_>) -> Option<Gap> {
     let half_a = half_extents(&pair.a)?;

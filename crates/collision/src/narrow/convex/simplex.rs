@@ -1,9 +1,10 @@
 //! The point of a simplex that is nearest to the origin.
 //!
 //! # Method
-//! Signed volumes: barycentric coordinates come from sub-volumes projected onto the coordinate plane (or axis) in which
-//! the simplex is largest, so nothing is divided by a small number; where the origin lies beyond a face, each face with a
-//! wrong sign is tried and the nearest taken. A simplex without volume tries all its faces.
+//! Signed volumes: barycentric coordinates are the volumes, areas or lengths that the origin spans with the other corners,
+//! as parts of their sum; where the origin lies beyond a face, each face with a wrong sign is tried and the nearest taken. A
+//! simplex without volume tries all its faces. Weights that are off by rounding still make a point of the simplex, and its
+//! distance is off by the square of that only.
 //!
 //! ```text
 //!        c                 inside all three sides: the foot of the origin on the plane
@@ -14,7 +15,8 @@
 //!
 //! # Source
 //! Montanari, Petrinic, Barbieri, "Improving the GJK algorithm for faster and more reliable distance queries between
-//! convex objects" (2017), section 4.
+//! convex objects" (2017), section 4. What was changed: areas are products with the normal instead of projections onto a
+//! coordinate plane, which need the foot of the origin, and so a quotient, first.
 
 use glam::DVec3;
 
@@ -234,22 +236,12 @@ fn segment(p: &[DVec3; 4], [i, j]: [usize; 2]) -> Part {
 fn triangle(p: &[DVec3; 4], [i, j, k]: [usize; 3]) -> Part {
     let [a, b, c] = [p[i], p[j], p[k]];
     let normal = (b - a).cross(c - a);
-    let foot = normal * (normal.dot(a) / normal.length_squared());
-    let size = normal.abs();
-    // The coordinate plane in which the triangle is largest, with the order of its axes kept.
-    let (whole, flat) = if size.x >= size.y && size.x >= size.z {
-        (normal.x, [a, b, c].map(|q| [q.y - foot.y, q.z - foot.z]))
-    } else if size.y >= size.z {
-        (normal.y, [a, b, c].map(|q| [q.z - foot.z, q.x - foot.x]))
-    } else {
-        (normal.z, [a, b, c].map(|q| [q.x - foot.x, q.y - foot.y]))
-    };
-    let area = |q: [f64; 2], r: [f64; 2]| q[0] * r[1] - q[1] * r[0];
-    let areas = [area(flat[1], flat[2]), area(flat[2], flat[0]), area(flat[0], flat[1])];
-    let sign = whole.signum();
-    let inside = areas.map(|part| part * sign > 0.0);
-    if inside == [true; 3] && whole.is_normal() {
-        let sum = areas[0] + areas[1] + areas[2];
+    // What a corner weighs is the area that the foot of the origin spans with the side across from it. The foot itself is not
+    // needed: it lies along the normal, where it adds nothing to these products.
+    let areas = [b.cross(c).dot(normal), c.cross(a).dot(normal), a.cross(b).dot(normal)];
+    let inside = areas.map(|part| part > 0.0);
+    let sum = areas[0] + areas[1] + areas[2];
+    if inside == [true; 3] && sum.is_normal() {
         let [u, v, w] = areas.map(|part| part / sum);
         return Part { members: [i, j, k, 0], weights: [u, v, w, 0.0], count: 3, point: a * u + b * v + c * w };
     }

@@ -5,7 +5,8 @@ use smallvec::SmallVec;
 
 use super::{
     body::{Body, Corner},
-    manifold::{Point, facing, four, short},
+    facing::facing,
+    manifold::{Point, four, short},
 };
 use crate::shape::Convex;
 
