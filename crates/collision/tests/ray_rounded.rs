@@ -127,7 +127,7 @@ fn scene(numbers: &mut Numbers, core: Core, round: usize) -> (DVec3, f64, Pose, 
     let aspect = [1.0, 1.0, 4.0][round % 3];
     let size = numbers.magnitude(-3.0, 3.0);
     let mut half = DVec3::new(1.0, numbers.magnitude(-aspect, 0.0), numbers.magnitude(-aspect, 0.0)) * size;
-    if round % 2 == 0 {
+    if round.is_multiple_of(2) {
         (half.x, half.y) = (half.y, half.x);
     }
     if matches!(core, Core::Cylinder | Core::Cone) {

@@ -4,7 +4,7 @@
 //! A root is rounded to nearest on every machine, so unlike the functions that glam takes from libm for the sake of equal
 //! bytes it needs no software: a call into libm costs a kernel a fifth of its time.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Lengths and directions, of the same bits as glam's.
 pub trait Norm: Sized {
@@ -19,6 +19,19 @@ pub trait Norm: Sized {
 }
 
 impl Norm for DVec3 {
+    #[inline]
+    fn norm(self) -> f64 {
+        self.length_squared().sqrt()
+    }
+
+    #[inline]
+    fn try_unit(self) -> Option<Self> {
+        let reciprocal = 1.0 / self.norm();
+        (reciprocal.is_finite() && reciprocal > 0.0).then(|| self * reciprocal)
+    }
+}
+
+impl Norm for DVec2 {
     #[inline]
     fn norm(self) -> f64 {
         self.length_squared().sqrt()

@@ -32,6 +32,7 @@ use super::{
 use crate::{
     accuracy::Accuracy,
     answer::{Method, Stop},
+    math::Norm,
 };
 
 /// Steps in search of a point inside: each halves a stretch or makes it four times as long.
@@ -200,7 +201,7 @@ impl Way<'_> {
         self.steps = self.steps.saturating_add(1);
         let point = self.point_at(at);
         let near = self.body.core.nearest(point)?;
-        let is_inside = (point - near.point).length() <= self.body.radius - self.error;
+        let is_inside = (point - near.point).norm() <= self.body.radius - self.error;
         (!is_inside).then(|| -near.normal.dot(self.direction))
     }
 }

@@ -39,6 +39,7 @@ use super::{
     frame::LocalRay,
     stretch::{self, Nested, Stretch},
 };
+use crate::math::Norm;
 
 /// A cone about the centre, along y.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +52,7 @@ pub(super) struct Cone {
 
 impl Cone {
     pub(super) fn new(half_height: f64, radius: f64) -> Self {
-        Self { half_height, radius, side: DVec2::new(2.0 * half_height, radius).length() }
+        Self { half_height, radius, side: DVec2::new(2.0 * half_height, radius).norm() }
     }
 
     /// Where the line crosses it; `None` if surely nowhere.
@@ -77,7 +78,7 @@ impl Cone {
         let across = |point: DVec3| DVec2::new(point.x, point.z) / self.radius;
         let (u, w) = (across(ray.foot), (apex - ray.foot.y) / height);
         let (v, climb) = (across(ray.direction), ray.direction.y / height);
-        let speed = DVec3::new(v.x, v.y, climb).length();
+        let speed = DVec3::new(v.x, v.y, climb).norm();
         let (v, climb) = (v / speed, climb / speed);
         let shift = (w * climb - u.dot(v)) / speed;
         let nearest = ray.foot + ray.direction * shift;
@@ -89,11 +90,11 @@ impl Cone {
     /// Of the base or of the side, whichever the point lies farther out of.
     fn normal_at(&self, point: DVec3) -> DVec3 {
         let (height, out) = (2.0 * self.half_height, DVec2::new(point.x, point.z));
-        let beside = (height * out.length() - self.radius * (self.half_height - point.y)) / self.side;
+        let beside = (height * out.norm() - self.radius * (self.half_height - point.y)) / self.side;
         if -self.half_height - point.y > beside {
             return -DVec3::Y;
         }
-        let out = out.normalize_or_zero() * height;
+        let out = out.try_unit().unwrap_or(DVec2::ZERO) * height;
         DVec3::new(out.x, self.radius, out.y)
     }
 }
@@ -110,10 +111,10 @@ impl ScaledLine {
     fn under_nappe(&self) -> Option<Stretch> {
         let &Self { u, w, v, climb } = self;
         let squared = |long: f64, short: f64| (long - short) * (long + short);
-        let a = squared(v.length(), climb.abs());
+        let a = squared(v.norm(), climb.abs());
         let half_b = u.dot(v) + w * climb;
-        let c = squared(u.length(), w);
-        let discriminant = squared((v * w + u * climb).length(), u.perp_dot(v).abs());
+        let c = squared(u.norm(), w);
+        let discriminant = squared((v * w + u * climb).norm(), u.perp_dot(v).abs());
         if discriminant < 0.0 && a >= 0.0 {
             return None;
         }

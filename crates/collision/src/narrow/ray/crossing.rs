@@ -56,7 +56,7 @@ impl Crossing {
     pub(super) fn touches(&self, ray: &Ray, local: &LocalRay, pose: &Pose) -> RayTouches {
         let (certain, undecided) = self.judged(ray, local.first, local.last);
         let touch = |judged: Judged| {
-            let outwards = local.normal_to_world(pose, judged.wall.normal);
+            let outwards = local.normal_to_world(judged.wall.normal);
             let is_from_inside = judged.wall.normal.dot(local.direction) > 0.0;
             let towards_asker = if is_from_inside { DVec3::ZERO - outwards } else { outwards };
             let point = local.to_world(pose, local.point_at(judged.best));

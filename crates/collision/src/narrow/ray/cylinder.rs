@@ -23,6 +23,7 @@ use super::{
     frame::LocalRay,
     stretch::{self, Nested, Stretch},
 };
+use crate::math::Norm;
 
 /// Where the line crosses a cylinder about the centre, along y; `None` if surely nowhere.
 pub(super) fn crossing(ray: &LocalRay, half_height: f64, radius: f64) -> Option<Crossing> {
@@ -39,5 +40,5 @@ fn stretch_inside(ray: &LocalRay, half_height: f64, radius: f64) -> Option<Stret
 /// Of the end or of the side, whichever the point lies farther out of.
 fn normal_at(point: DVec3, half_height: f64, radius: f64) -> DVec3 {
     let outwards = DVec3 { y: 0.0, ..point };
-    if point.y.abs() - half_height > outwards.length() - radius { DVec3::Y * point.y } else { outwards }
+    if point.y.abs() - half_height > outwards.norm() - radius { DVec3::Y * point.y } else { outwards }
 }

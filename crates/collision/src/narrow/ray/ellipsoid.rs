@@ -31,6 +31,7 @@ use super::{
     frame::LocalRay,
     stretch::{Nested, Stretch},
 };
+use crate::math::Norm;
 
 /// Where the line crosses an ellipsoid about the centre; `None` if surely nowhere.
 pub(super) fn crossing(ray: &LocalRay, radii: DVec3) -> Option<Crossing> {
@@ -50,8 +51,8 @@ pub(super) fn crossing(ray: &LocalRay, radii: DVec3) -> Option<Crossing> {
 /// How far from the middle the tangent plane is that touches where the ray from the middle through `point` leaves.
 fn tangent_distance(point: DVec3, radii: DVec3) -> f64 {
     let on_ball = point / radii;
-    let normal = (on_ball / radii).length();
-    let distance = on_ball.length() / normal;
+    let normal = (on_ball / radii).norm();
+    let distance = on_ball.norm() / normal;
     if distance.is_finite() { distance.clamp(radii.min_element(), radii.max_element()) } else { radii.min_element() }
 }
 
@@ -87,12 +88,14 @@ struct Chord {
 
 impl Chord {
     fn new(ray: &LocalRay, radii: DVec3) -> Self {
-        let (direction, speed) = (ray.direction / radii).normalize_and_length();
+        let scaled = ray.direction / radii;
+        let speed = scaled.norm();
+        let direction = scaled / speed;
         let shift = -(ray.foot / radii).dot(direction) / speed;
         let nearest = (ray.foot + ray.direction * shift) / radii;
         // The shift is rounded, so a little may be left along the line.
         let along = nearest.dot(direction);
-        let distance = (nearest - direction * along).length();
+        let distance = (nearest - direction * along).norm();
         let half = (distance <= 1.0).then(|| ((1.0 - distance) * (1.0 + distance)).sqrt() / speed);
         Self { middle: shift - along / speed, half }
     }

@@ -4,11 +4,11 @@
 //! Positions are differenced in the world and turned into the target's axes. Distances are then counted from the foot:
 //! the point of the line nearest to the target's centre, so that a far origin costs its own rounding and no more.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::Ray;
 use crate::{
-    math::{Pose, exact::two_sum, expansion, scaled_by_power_of_two},
+    math::{Norm, Pose, exact::two_sum, expansion, scaled_by_power_of_two},
     shape::Geometry,
     tolerance,
 };
@@ -35,7 +35,7 @@ impl Target {
         let bounds = geometry.local_bounds();
         let center = bounds.center();
         let half = (bounds.max - center).max(center - bounds.min);
-        Self { center, radius: half.length() * tolerance::LENGTH_WIDENING, reach: geometry.reach() }
+        Self { center, radius: half.norm() * tolerance::LENGTH_WIDENING, reach: geometry.reach() }
     }
 }
 
@@ -64,7 +64,8 @@ pub(super) struct LocalRay {
     /// For each axis: the ray does not move along it, and its coordinate is exact.
     pub still: [bool; 3],
     center: DVec3,
-    turned: bool,
+    /// From the target's axes to the world's; `None` if it is not turned.
+    axes: Option<DMat3>,
 }
 
 /// A ray in the target's frame as sent, exactly.
@@ -79,20 +80,24 @@ pub(super) struct ExactRay {
 impl LocalRay {
     pub(super) fn new(ray: &Ray, pose: &Pose, target: Target) -> Self {
         let scaled = scaled_by_power_of_two(ray.direction);
-        let unit = scaled / scaled.length();
+        let unit = scaled / scaled.norm();
         let (difference, lost) = exact_difference(ray.origin, pose.position);
         let turned = pose.rotation.xyz() != DVec3::ZERO;
-        let (origin, direction, frame_error, direction_error) = if turned {
-            let to_local = pose.matrix().transpose();
-            let error = tolerance::RAY_TURNED_FRAME * (difference.length() + target.reach);
-            (to_local * difference, to_local * unit, error, tolerance::RAY_TURNED_DIRECTION)
-        } else {
-            let error = lost.length() * tolerance::LENGTH_WIDENING;
-            (difference, unit, error, tolerance::RAY_DIRECTION)
+        let axes = turned.then(|| pose.matrix());
+        let (origin, direction, frame_error, direction_error) = match axes {
+            Some(axes) => {
+                let to_local = axes.transpose();
+                let error = tolerance::RAY_TURNED_FRAME * (difference.norm() + target.reach);
+                (to_local * difference, to_local * unit, error, tolerance::RAY_TURNED_DIRECTION)
+            }
+            None => {
+                let error = lost.norm() * tolerance::LENGTH_WIDENING;
+                (difference, unit, error, tolerance::RAY_DIRECTION)
+            }
         };
         let from_center = origin - target.center;
         let shift = -from_center.dot(direction);
-        let extent = from_center.length() + target.radius;
+        let extent = from_center.norm() + target.radius;
         let exact = ExactRay { origin, direction: scaled };
         let is_still = |axis: usize| !turned && scaled[axis] == 0.0 && lost[axis] == 0.0 && target.center[axis] == 0.0;
         Self {
@@ -107,13 +112,13 @@ impl LocalRay {
             exact: (!turned && lost == DVec3::ZERO && exact.is_in_range()).then_some(exact),
             still: [0, 1, 2].map(is_still),
             center: target.center,
-            turned,
+            axes,
         }
     }
 
     /// Whether it surely passes a ball about the centre.
     pub(super) fn passes_ball(&self, radius: f64) -> bool {
-        self.foot.length() * tolerance::SLAB_NARROWING > radius + self.error
+        self.foot.norm() * tolerance::SLAB_NARROWING > radius + self.error
     }
 
     /// The local point at a distance along the ray.
@@ -123,14 +128,14 @@ impl LocalRay {
 
     /// Takes a local point into the world.
     pub(super) fn to_world(&self, pose: &Pose, local: DVec3) -> DVec3 {
-        let turned = if self.turned { pose.matrix() * local } else { local };
+        let turned = self.axes.map_or(local, |axes| axes * local);
         turned + pose.position + DVec3::ZERO
     }
 
     /// Takes a local unit vector into the world.
-    pub(super) fn normal_to_world(&self, pose: &Pose, normal: DVec3) -> DVec3 {
-        let turned = if self.turned { pose.matrix() * normal } else { normal };
-        turned.normalize_or_zero() + DVec3::ZERO
+    pub(super) fn normal_to_world(&self, normal: DVec3) -> DVec3 {
+        let turned = self.axes.map_or(normal, |axes| axes * normal);
+        turned.try_unit().unwrap_or(DVec3::ZERO) + DVec3::ZERO
     }
 }
 

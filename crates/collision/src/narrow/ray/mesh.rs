@@ -221,7 +221,7 @@ fn touch(local: &LocalRay, mesh: &Mesh, pose: &Pose, winner: Candidate, bound: B
     RayTouch {
         distance: best + 0.0,
         point: local.to_world(pose, point),
-        normal: Some(local.normal_to_world(pose, towards_asker)),
+        normal: Some(local.normal_to_world(towards_asker)),
         inside: false,
         feature: Feature { part: None, face: Some(mesh.sent_number(winner.triangle)) },
         barycentric: weights(corners, point),

@@ -37,6 +37,7 @@ use super::Placed;
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Feature, Work},
+    math::Norm,
     shape::{Convex, Core, Form, Hull, Span},
 };
 
@@ -171,8 +172,9 @@ fn simple_crossing(local: &LocalRay, convex: &Convex, about: Target) -> Option<O
         Core::Segment { half_height } => round(DVec3::ZERO, DVec3::Y, *half_height),
         Core::Hull(hull) => {
             let (start, end) = ends(hull)?;
-            let (axis, length) = (end - start).normalize_and_length();
-            round(start * 0.5 + end * 0.5 - about.center, axis, 0.5 * length)
+            let along = end - start;
+            let axis = along.try_unit().unwrap_or(DVec3::X);
+            round(start * 0.5 + end * 0.5 - about.center, axis, 0.5 * along.norm())
         }
         Core::Cuboid { .. }
         | Core::Triangle(_)

@@ -23,7 +23,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::shape::Core;
+use crate::{math::Norm, shape::Core};
 
 /// Steps for the λ of an ellipsoid: more than six are rare, whatever the aspect.
 const STEPS: usize = 40;
@@ -69,25 +69,25 @@ impl Solid {
             }
             Self::Ellipsoid { radii } => return nearest_of_ellipsoid(radii, point),
         };
-        let normal = (point - nearest).try_normalize()?;
+        let normal = (point - nearest).try_unit()?;
         Some(Near { point: nearest, normal })
     }
 
     /// The largest `normal · p` of its points.
     pub(super) fn support(&self, normal: DVec3) -> f64 {
-        let out = || DVec2::new(normal.x, normal.z).length();
+        let out = || DVec2::new(normal.x, normal.z).norm();
         match *self {
             Self::Cuboid { half_extents } => half_extents.dot(normal.abs()),
             Self::Cylinder { half_height, radius } => half_height * normal.y.abs() + radius * out(),
             Self::Cone { half_height, radius } => (half_height * normal.y).max(radius * out() - half_height * normal.y),
-            Self::Ellipsoid { radii } => (radii * normal).length(),
+            Self::Ellipsoid { radii } => (radii * normal).norm(),
         }
     }
 }
 
 /// The nearest point of a body turned about y, from that of its profile.
 fn on_profile(point: DVec3, nearest: impl Fn(f64, f64) -> (f64, f64)) -> DVec3 {
-    let out = DVec2::new(point.x, point.z).length();
+    let out = DVec2::new(point.x, point.z).norm();
     let (nearest_out, y) = nearest(out, point.y);
     // Inside of the profile nothing is rounded, so that nothing seems to be outside.
     let share = if nearest_out < out { nearest_out / out } else { 1.0 };
@@ -114,13 +114,13 @@ fn nearest_of_ellipsoid(radii: DVec3, point: DVec3) -> Option<Near> {
     for step in 0..STEPS {
         let share = point / (squares + lambda);
         let on_ball = radii * share;
-        let size = on_ball.length();
+        let size = on_ball.norm();
         if step == 0 && size <= 1.0 {
             return None;
         }
         let next = lambda + (size - 1.0) * size * size / (on_ball * on_ball / (squares + lambda)).element_sum();
         if !(size > 1.0 && next > lambda) || step + 1 == STEPS {
-            return Some(Near { point: radii * (on_ball / size), normal: share.try_normalize()? });
+            return Some(Near { point: radii * (on_ball / size), normal: share.try_unit()? });
         }
         lambda = next;
     }

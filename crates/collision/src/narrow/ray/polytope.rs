@@ -16,6 +16,7 @@ use super::{
 };
 use crate::{
     answer::{Bound, Method, Stop},
+    math::Norm,
     shape::{Hull, Span},
 };
 
@@ -26,13 +27,14 @@ pub(super) fn cuboid(ray: &LocalRay, half_extents: DVec3) -> Option<Crossing> {
         let mut normal = DVec3::ZERO;
         normal[axis] = 1.0;
         let error = if ray.still[axis] { 0.0 } else { ray.error };
-        let side = |normal: DVec3, face: usize| Side {
+        let side = |normal: DVec3, sign: f64, face: usize| Side {
             normal,
-            gap: half_extents[axis] - normal[axis] * ray.foot[axis],
+            speed: sign * ray.direction[axis],
+            gap: half_extents[axis] - sign * ray.foot[axis],
             error,
             face: u32::try_from(face).ok(),
         };
-        clip.slab(ray, side(-normal, 2 * axis), side(normal, 2 * axis + 1))?;
+        clip.slab(ray, side(-normal, -1.0, 2 * axis), side(normal, 1.0, 2 * axis + 1))?;
     }
     Some(clip.crossing(ray))
 }
@@ -47,15 +49,14 @@ pub(super) fn hull(ray: &LocalRay, hull: &Hull, center: DVec3) -> Option<Crossin
     let mut clip = Clip::new();
     for (index, face) in topology.faces.iter().enumerate() {
         let corner = hull.vertices()[face.vertices[0] as usize] - center;
-        clip.plane(
-            ray,
-            Side {
-                normal: face.normal,
-                gap: face.normal.dot(corner - ray.foot),
-                error: ray.error,
-                face: u32::try_from(index).ok(),
-            },
-        )?;
+        let gap = face.normal.dot(corner - ray.foot);
+        let speed = face.normal.dot(ray.direction);
+        if !clip.is_beyond(speed, gap, ray.error) {
+            clip.plane(
+                ray,
+                Side { normal: face.normal, speed, gap, error: ray.error, face: u32::try_from(index).ok() },
+            )?;
+        }
     }
     Some(clip.crossing(ray))
 }
@@ -63,14 +64,20 @@ pub(super) fn hull(ray: &LocalRay, hull: &Hull, center: DVec3) -> Option<Crossin
 /// Where the line crosses a convex polygon in one plane, given by its corners in order, at least one.
 pub(super) fn polygon(ray: &LocalRay, corners: impl Iterator<Item = DVec3> + Clone, center: DVec3) -> Option<Crossing> {
     let first = corners.clone().next()?;
-    let normal = area_vector(corners.clone(), first).normalize_or_zero();
+    let normal = area_vector(corners.clone(), first).try_unit().unwrap_or(DVec3::ZERO);
     let gap = normal.dot(first - center - ray.foot);
-    let side = |normal: DVec3, gap: f64, face: Option<u32>| Side { normal, gap, error: ray.error, face };
+    let side = |normal: DVec3, gap: f64, face: Option<u32>| Side {
+        normal,
+        speed: normal.dot(ray.direction),
+        gap,
+        error: ray.error,
+        face,
+    };
     let mut clip = Clip::new();
     clip.slab(ray, side(-normal, -gap, Some(1)), side(normal, gap, Some(0)))?;
     let followers = corners.clone().skip(1).chain([first]);
     for (corner, next) in corners.zip(followers) {
-        let outwards = (next - corner).cross(normal).normalize_or_zero();
+        let outwards = (next - corner).cross(normal).try_unit().unwrap_or(DVec3::ZERO);
         clip.plane(ray, side(outwards, outwards.dot(corner - center - ray.foot), None))?;
     }
     Some(clip.crossing(ray))
@@ -86,6 +93,8 @@ fn area_vector(corners: impl Iterator<Item = DVec3> + Clone, first: DVec3) -> DV
 struct Side {
     /// Outward unit normal.
     normal: DVec3,
+    /// Of the ray along the normal, per metre.
+    speed: f64,
     /// From the foot of the ray to the plane, along the normal.
     gap: f64,
     error: f64,
@@ -107,7 +116,7 @@ enum Met {
 impl Side {
     /// `None` if the line is surely outside. Distances are from the foot.
     fn meet(&self, ray: &LocalRay) -> Option<Met> {
-        let speed = self.normal.dot(ray.direction);
+        let speed = self.speed;
         if speed.abs() * ray.extent <= self.error {
             return match self.gap {
                 gap if gap < -2.0 * self.error => None,
@@ -144,6 +153,16 @@ impl Clip {
                 self.certain = false;
                 Some(())
             }
+        }
+    }
+
+    /// Whether all that is left of the line is surely on the inner side of a plane, and not near it: most planes of a hull
+    /// cost a comparison instead of two divisions.
+    fn is_beyond(&self, speed: f64, gap: f64, error: f64) -> bool {
+        if speed < 0.0 {
+            error - gap < self.entry.bound.lower * -speed
+        } else {
+            gap - error > self.exit.bound.upper * speed
         }
     }
 

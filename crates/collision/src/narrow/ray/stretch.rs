@@ -16,7 +16,10 @@ use super::{
     crossing::{Crossing, Wall},
     frame::LocalRay,
 };
-use crate::answer::{Bound, Method, Stop};
+use crate::{
+    answer::{Bound, Method, Stop},
+    math::Norm,
+};
 
 /// A part of a line: metres from its foot, `begin` not after `end`.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +100,7 @@ pub(super) fn walls(ray: &LocalRay, outer: Stretch, inner: Option<Stretch>) -> (
 /// to the middle, so that nothing cancels (the naive discriminant loses all digits from far away).
 pub(super) fn ball(foot: DVec3, direction: DVec3, radius: f64) -> Option<Stretch> {
     let along = foot.dot(direction);
-    let distance = (foot - direction * along).length();
+    let distance = (foot - direction * along).norm();
     if radius < 0.0 || distance > radius {
         return None;
     }
@@ -108,9 +111,9 @@ pub(super) fn ball(foot: DVec3, direction: DVec3, radius: f64) -> Option<Stretch
 /// The stretch inside an endless cylinder: the line seen along its axis is at `across` from it at its foot, and moves by
 /// `speed` per metre.
 pub(super) fn tube(ray: &LocalRay, across: DVec3, speed: DVec3, radius: f64) -> Option<Stretch> {
-    let speed_length = speed.length();
+    let speed_length = speed.norm();
     if speed_length * ray.extent <= ray.error {
-        return (across.length() <= radius).then_some(Stretch::whole(ray));
+        return (across.norm() <= radius).then_some(Stretch::whole(ray));
     }
     let Stretch { begin, end } = ball(across, speed / speed_length, radius)?;
     Some(Stretch { begin: begin / speed_length, end: end / speed_length })

@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 use super::frame::{ExactRay, LocalRay};
 use crate::{
     answer::Bound,
-    math::{exact, expansion::ExactVector},
+    math::{Norm, exact, expansion::ExactVector},
     tolerance,
 };
 
@@ -179,7 +179,7 @@ impl<'a> Sight<'a> {
     }
 
     fn speed_error(&self, normal: DVec3, normal_error: f64) -> f64 {
-        2.0 * normal_error + self.ray.direction_error * normal.length()
+        2.0 * normal_error + self.ray.direction_error * normal.norm()
     }
 
     /// When the plane is met, should the ray go through the triangle: from the plane, and never outside of the
@@ -203,7 +203,7 @@ impl<'a> Sight<'a> {
         if spare > 0.0 {
             best = normal.dot(first) / speed;
             let error =
-                (normal.length() * ray.error + 2.0 * normal_error * first.length() + best.abs() * speed_error) / spare;
+                (normal.norm() * ray.error + 2.0 * normal_error * first.norm() + best.abs() * speed_error) / spare;
             bound = Bound::new((best - error).max(range.lower), (best + error).min(range.upper));
         }
         let is_wide = spare <= 0.0 || bound.width() > tolerance::RAY_GRAZING * ray.error;
@@ -267,7 +267,7 @@ fn exact_meeting(exact: &ExactRay, corners: [DVec3; 3]) -> Option<Meeting> {
     if speed == 0.0 {
         return None;
     }
-    let best = height / speed * exact.direction.length();
+    let best = height / speed * exact.direction.norm();
     let error = best.abs() * tolerance::EXACT_MEETING;
     Some(Meeting { bound: Bound::new(best - error, best + error), best })
 }
