@@ -103,7 +103,7 @@ pub const RAY_TURNED_FRAME: f64 = 256.0 * ROUNDING;
 /// What the kernels for rays cost, as a part of the ray's extent about the target's centre: 8 roundings for the direction, 3
 /// for the foot, 2 for the distance counted from it, at most 12 for an edge, a plane or a chord relative to it. All of
 /// these are under 32; twice that is taken, since bounds are themselves computed with rounding. Larger: more undecided
-/// rays. Smaller: wrong verdicts. Test: `ray_exact.rs` and the ray sets of the data.
+/// rays. Smaller: wrong verdicts. Test: `ray_exact.rs`, `ray_forms.rs`, `ray_rounded.rs` and the ray sets of the data.
 pub const RAY_KERNEL: f64 = 64.0 * ROUNDING;
 
 /// Where a triangle's plane is met only to within this many times the ray's error, exact sums are used if they can be: at
