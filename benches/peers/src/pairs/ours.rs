@@ -1,0 +1,133 @@
+//! The questions as Calipers answers them: in f64, exactly, with proof.
+
+use std::time::Duration;
+
+use collision::{
+    DQuat, DVec3,
+    accuracy::{Accuracy, Tier},
+    answer::{Certificate, Work},
+    math::Pose,
+    narrow::{self, Contact, ImpactTouch, InitialTouch, Motion, Placed, Separation},
+    shape::Geometry,
+};
+
+use super::{
+    errors::Proof,
+    workload::{Crossing, Form, Place, Workload},
+};
+use crate::{rows::Operation, timing::spent};
+
+const EXACT: Accuracy = Accuracy::of(Tier::Exact);
+
+/// The geometry of a form.
+pub(crate) fn geometry(form: &Form) -> Geometry {
+    let geometry = match form {
+        Form::Cuboid(half_extents) => Geometry::cuboid(vector(*half_extents)),
+        Form::Ball(radius) => Geometry::sphere(f64::from(*radius)),
+        Form::Capsule { half_height, radius } => Geometry::capsule(f64::from(*half_height), f64::from(*radius)),
+        Form::Hull(points) => Geometry::hull(&points.iter().copied().map(vector).collect::<Vec<_>>()),
+    };
+    geometry.expect("sizes of the workload are within limits")
+}
+
+/// The pose of a place.
+pub(crate) fn pose(place: &Place) -> Pose {
+    Pose::new(vector(place.position), DQuat::from_array(place.rotation.map(f64::from)))
+}
+
+/// The vector of these coordinates.
+pub(crate) fn vector(coordinates: [f32; 3]) -> DVec3 {
+    DVec3::from_array(coordinates.map(f64::from))
+}
+
+/// Two placed geometries.
+type Pair<'g> = [Placed<'g>; 2];
+
+#[derive(Clone, Copy, Debug)]
+struct Moving<'g> {
+    pair: Pair<'g>,
+    motion: Motion,
+    way: f64,
+}
+
+/// All pairs of a workload.
+#[derive(Debug)]
+pub(crate) struct Side<'g> {
+    near: Vec<Pair<'g>>,
+    crossings: Vec<Moving<'g>>,
+}
+
+impl<'g> Side<'g> {
+    /// The workload's pairs; `geometries` are those of its forms.
+    pub(crate) fn new(geometries: &'g [Geometry], workload: &Workload) -> Self {
+        let placed = |place: &Place| Placed { geometry: &geometries[place.form], pose: pose(place) };
+        let moving = |crossing: &Crossing| Moving {
+            pair: [placed(&crossing.a), placed(&crossing.b)],
+            motion: Motion {
+                displacement_a: DVec3::ZERO,
+                displacement_b: vector(crossing.displacement),
+                initial: InitialTouch::Counts,
+            },
+            way: crossing.way,
+        };
+        Self {
+            near: workload.near.iter().map(|pair| [placed(&pair[0]), placed(&pair[1])]).collect(),
+            crossings: workload.crossings.iter().map(moving).collect(),
+        }
+    }
+
+    /// What the answers to all pairs prove.
+    pub(crate) fn proofs(&self, operation: Operation) -> Vec<Proof> {
+        let near = self.near.iter();
+        let crossings = self.crossings.iter();
+        match operation {
+            Operation::Overlap => near.map(|pair| Proof::of_verdict(&overlap(pair))).collect(),
+            Operation::Distance | Operation::DistanceWarm => near.map(|pair| of_separation(distance(pair))).collect(),
+            Operation::Depth | Operation::Manifold | Operation::ManifoldWarm => {
+                near.map(|pair| of_contact(penetration(pair))).collect()
+            }
+            Operation::Impact => crossings.map(|moving| of_impact(impact(moving), moving.way)).collect(),
+        }
+    }
+
+    /// CPU time of asking the first `count` pairs. There are no warm starts: those questions are the cold ones.
+    pub(crate) fn time(&self, operation: Operation, count: usize) -> Duration {
+        let near = self.near[..count].iter();
+        let crossings = self.crossings[..count].iter();
+        match operation {
+            Operation::Overlap => spent(near, overlap),
+            Operation::Distance | Operation::DistanceWarm => spent(near, distance),
+            Operation::Depth | Operation::Manifold | Operation::ManifoldWarm => spent(near, penetration),
+            Operation::Impact => spent(crossings, impact),
+        }
+    }
+}
+
+fn overlap([a, b]: &Pair<'_>) -> Certificate {
+    narrow::overlap(*a, *b, &EXACT, &mut Work::default())
+}
+
+fn distance([a, b]: &Pair<'_>) -> Option<Separation> {
+    narrow::distance(*a, *b, f64::INFINITY, &EXACT, &mut Work::default())
+}
+
+fn penetration([a, b]: &Pair<'_>) -> Vec<Contact> {
+    narrow::penetration(*a, *b, 0.0, &EXACT, &mut Work::default()).expect("both are convex")
+}
+
+fn impact(Moving { pair: [a, b], motion, .. }: &Moving<'_>) -> Option<ImpactTouch> {
+    narrow::linear_impact(*a, *b, motion, &EXACT, &mut Work::default())
+}
+
+fn of_separation(separation: Option<Separation>) -> Proof {
+    let separation = separation.expect("no distance is beyond an infinite limit");
+    Proof::of_value(&separation.certificate, separation.distance, 1.0)
+}
+
+fn of_contact(contacts: Vec<Contact>) -> Proof {
+    contacts.first().map_or(Proof::NONE, |contact| Proof::of_value(&contact.certificate, contact.depth, 1.0))
+}
+
+fn of_impact(touch: Option<ImpactTouch>, way: f64) -> Proof {
+    touch.map_or(Proof::NONE, |touch| Proof::of_value(&touch.certificate, touch.fraction, way))
+}

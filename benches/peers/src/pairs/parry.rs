@@ -1,0 +1,174 @@
+//! The questions as parry3d answers them: in f32, without bounds.
+
+use std::time::Duration;
+
+use parry3d::{
+    math::{Pose, Rotation, Vector},
+    query::{
+        self, Contact, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, ShapeCastHit,
+        ShapeCastOptions,
+    },
+    shape::{Ball, Capsule, ConvexPolyhedron, Cuboid, Shape},
+};
+
+use super::workload::{Crossing, Form, Place, Workload};
+use crate::{rows::Operation, timing::spent};
+
+/// How near shapes must be to count as touching, metres: as for Calipers.
+const PREDICTION: f32 = 0.0;
+
+const SUPPORTED: &str = "all kinds of the workload are supported";
+
+/// The shape of a form.
+pub(crate) fn shape(form: &Form) -> Box<dyn Shape> {
+    match form {
+        Form::Cuboid(half_extents) => Box::new(Cuboid::new(Vector::from_array(*half_extents))),
+        Form::Ball(radius) => Box::new(Ball::new(*radius)),
+        Form::Capsule { half_height, radius } => Box::new(Capsule::new_y(*half_height, *radius)),
+        Form::Hull(points) => {
+            let points: Vec<Vector> = points.iter().copied().map(Vector::from_array).collect();
+            Box::new(ConvexPolyhedron::from_convex_hull(&points).expect("points all around have a hull"))
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Placed<'s> {
+    shape: &'s dyn Shape,
+    pose: Pose,
+}
+
+type Pair<'s> = [Placed<'s>; 2];
+
+#[derive(Clone, Copy)]
+struct Moving<'s> {
+    pair: Pair<'s>,
+    displacement: Vector,
+    way: f64,
+}
+
+/// What one pair keeps from one question to the next.
+type Manifolds = Vec<ContactManifold<(), ()>>;
+
+/// All pairs of a workload.
+pub(crate) struct Side<'s> {
+    near: Vec<Pair<'s>>,
+    crossings: Vec<Moving<'s>>,
+    manifolds: Vec<Manifolds>,
+}
+
+impl<'s> Side<'s> {
+    /// The workload's pairs; `shapes` are those of its forms.
+    pub(crate) fn new(shapes: &'s [Box<dyn Shape>], workload: &Workload) -> Self {
+        let placed = |place: &Place| Placed { shape: &*shapes[place.form], pose: pose(place) };
+        Self {
+            near: workload.near.iter().map(|pair| [placed(&pair[0]), placed(&pair[1])]).collect(),
+            crossings: workload
+                .crossings
+                .iter()
+                .map(|crossing| moving([placed(&crossing.a), placed(&crossing.b)], crossing))
+                .collect(),
+            manifolds: vec![Manifolds::new(); workload.near.len()],
+        }
+    }
+
+    /// Its answers to all pairs, metres; `None` where it says there is nothing.
+    pub(crate) fn values(&mut self, operation: Operation) -> Vec<Option<f64>> {
+        let near = self.near.iter();
+        let crossings = self.crossings.iter();
+        match operation {
+            Operation::Overlap => near.map(|pair| overlap(pair).then_some(0.0)).collect(),
+            Operation::Distance | Operation::DistanceWarm => near.map(|pair| Some(f64::from(distance(pair)))).collect(),
+            Operation::Depth => near.map(|pair| depth(pair).map(|contact| -f64::from(contact.dist))).collect(),
+            Operation::Manifold => near
+                .map(|pair| {
+                    let mut manifolds = Manifolds::new();
+                    manifold(pair, &mut manifolds);
+                    deepest(&manifolds)
+                })
+                .collect(),
+            Operation::ManifoldWarm => near
+                .zip(&mut self.manifolds)
+                .map(|(pair, manifolds)| {
+                    manifold(pair, manifolds);
+                    deepest(manifolds)
+                })
+                .collect(),
+            Operation::Impact => {
+                crossings.map(|moving| impact(moving).map(|hit| f64::from(hit.time_of_impact) * moving.way)).collect()
+            }
+        }
+    }
+
+    /// Asks each pair once where the answer leaves something for the next one to start from.
+    pub(crate) fn warm_up(&mut self, operation: Operation) {
+        if operation == Operation::ManifoldWarm {
+            self.time(operation, self.near.len());
+        }
+    }
+
+    /// CPU time of asking the first `count` pairs. There is no warm distance: that is the cold one.
+    pub(crate) fn time(&mut self, operation: Operation, count: usize) -> Duration {
+        let near = self.near[..count].iter();
+        let crossings = self.crossings[..count].iter();
+        match operation {
+            Operation::Overlap => spent(near, overlap),
+            Operation::Distance | Operation::DistanceWarm => spent(near, distance),
+            Operation::Depth => spent(near, depth),
+            Operation::Manifold => {
+                let mut manifolds = Manifolds::new();
+                spent(near, |pair| {
+                    manifolds.clear();
+                    manifold(pair, &mut manifolds);
+                })
+            }
+            Operation::ManifoldWarm => {
+                spent(near.zip(&mut self.manifolds), |(pair, manifolds)| manifold(pair, manifolds))
+            }
+            Operation::Impact => spent(crossings, impact),
+        }
+    }
+}
+
+fn pose(place: &Place) -> Pose {
+    Pose::from_parts(Vector::from_array(place.position), Rotation::from_array(place.rotation))
+}
+
+fn moving<'s>(pair: Pair<'s>, crossing: &Crossing) -> Moving<'s> {
+    let displacement = Vector::from_array(crossing.displacement);
+    Moving { pair, displacement, way: crossing.way }
+}
+
+fn overlap([a, b]: &Pair<'_>) -> bool {
+    query::intersection_test(&a.pose, a.shape, &b.pose, b.shape).expect(SUPPORTED).intersecting
+}
+
+fn distance([a, b]: &Pair<'_>) -> f32 {
+    query::distance(&a.pose, a.shape, &b.pose, b.shape).expect(SUPPORTED).distance
+}
+
+fn depth([a, b]: &Pair<'_>) -> Option<Contact> {
+    query::contact(&a.pose, a.shape, &b.pose, b.shape, PREDICTION).expect(SUPPORTED)
+}
+
+fn manifold([a, b]: &Pair<'_>, manifolds: &mut Manifolds) {
+    let pose_b_in_a = a.pose.inv_mul(&b.pose);
+    DefaultQueryDispatcher
+        .contact_manifolds(&pose_b_in_a, a.shape, b.shape, PREDICTION, manifolds, &mut None)
+        .expect(SUPPORTED);
+}
+
+/// The greatest depth of a point.
+fn deepest(manifolds: &Manifolds) -> Option<f64> {
+    let points = manifolds.iter().flat_map(|manifold| &manifold.points);
+    points.map(|point| -f64::from(point.dist)).filter(|depth| *depth >= 0.0).max_by(f64::total_cmp)
+}
+
+fn impact(Moving { pair: [a, b], displacement, .. }: &Moving<'_>) -> Option<ShapeCastHit> {
+    let options = ShapeCastOptions {
+        max_time_of_impact: 1.0,
+        compute_impact_geometry_on_penetration: false,
+        ..ShapeCastOptions::default()
+    };
+    query::cast_shapes(&a.pose, Vector::ZERO, a.shape, &b.pose, *displacement, b.shape, options).expect(SUPPORTED)
+}

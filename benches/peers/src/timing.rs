@@ -1,0 +1,57 @@
+//! How long work takes: thread CPU time, ours and the peer's in turn, the least of all repeats.
+
+use std::{hint::black_box, time::Duration};
+
+use rustix::time::{ClockId, clock_gettime};
+
+/// Ours and the peer's in turn, so that a slow moment of the machine meets both: rounds times repeats in a round.
+const REPEATS: u32 = 2 * 5;
+
+/// How long all repeats of one row may take, both sides together. A set that would take longer is timed by its first
+/// pairs only.
+const ROW_LIMIT: Duration = Duration::from_secs(6);
+
+/// What one operation takes on both sides.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Times {
+    /// Calipers, nanoseconds.
+    pub(crate) calipers_ns: f64,
+    /// parry3d, nanoseconds.
+    pub(crate) parry_ns: f64,
+    /// How many operations each repeat had.
+    pub(crate) operations: usize,
+}
+
+/// Times `operations` operations on each side, or fewer where they would take too long. Both functions do as many
+/// operations as they are told and return the CPU time that took.
+pub(crate) fn compare(
+    operations: usize,
+    mut calipers: impl FnMut(usize) -> Duration,
+    mut parry: impl FnMut(usize) -> Duration,
+) -> Times {
+    // The trial also warms caches and what either side builds when first asked.
+    let trial = (calipers(operations) + parry(operations)) * REPEATS;
+    let share = (ROW_LIMIT.as_secs_f64() / trial.as_secs_f64()).min(1.0);
+    let operations = ((operations as f64 * share) as usize).max(1);
+    let (mut least_calipers, mut least_parry) = (Duration::MAX, Duration::MAX);
+    for _ in 0..REPEATS {
+        least_calipers = least_calipers.min(calipers(operations));
+        least_parry = least_parry.min(parry(operations));
+    }
+    let each_ns = |time: Duration| time.as_secs_f64() * 1e9 / operations as f64;
+    Times { calipers_ns: each_ns(least_calipers), parry_ns: each_ns(least_parry), operations }
+}
+
+/// CPU time of this thread for asking one question of each item.
+pub(crate) fn spent<Item, Answer>(items: impl Iterator<Item = Item>, mut ask: impl FnMut(Item) -> Answer) -> Duration {
+    let start = thread_time();
+    for item in items {
+        black_box(ask(item));
+    }
+    thread_time() - start
+}
+
+fn thread_time() -> Duration {
+    let now = clock_gettime(ClockId::ThreadCPUTime);
+    Duration::new(now.tv_sec as u64, now.tv_nsec as u32)
+}
