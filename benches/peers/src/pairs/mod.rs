@@ -30,9 +30,10 @@ pub(crate) fn measure(
     let workload = Workload::new(pairing, count);
     let geometries: Vec<_> = workload.forms.iter().map(ours::geometry).collect();
     let shapes: Vec<_> = workload.forms.iter().map(parry::shape).collect();
-    let ours = ours::Side::new(&geometries, &workload);
+    let mut ours = ours::Side::new(&geometries, &workload);
     let mut parry = parry::Side::new(&shapes, &workload);
     for &row in rows {
+        ours.warm_up(row.operation);
         parry.warm_up(row.operation);
         let errors = Errors::between(&ours.proofs(row.operation), &parry.values(row.operation));
         let times = timing::compare(
@@ -56,7 +57,7 @@ mod tests {
             let workload = Workload::new(pairing, 500);
             let geometries: Vec<_> = workload.forms.iter().map(ours::geometry).collect();
             let shapes: Vec<_> = workload.forms.iter().map(parry::shape).collect();
-            let ours = ours::Side::new(&geometries, &workload);
+            let mut ours = ours::Side::new(&geometries, &workload);
             let mut parry = parry::Side::new(&shapes, &workload);
             for (operation, shares) in [(Operation::Overlap, 0.4..0.6), (Operation::Impact, 0.55..0.8)] {
                 let errors = Errors::between(&ours.proofs(operation), &parry.values(operation));

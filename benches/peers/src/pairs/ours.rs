@@ -7,7 +7,7 @@ use collision::{
     accuracy::{Accuracy, Tier},
     answer::{Certificate, Work},
     math::Pose,
-    narrow::{self, Contact, ImpactTouch, InitialTouch, Motion, Placed, Separation},
+    narrow::{self, Contacts, Depth, ImpactTouch, InitialTouch, Motion, Placed, Separation, Warm},
     shape::Geometry,
 };
 
@@ -55,49 +55,67 @@ struct Moving<'g> {
 pub(crate) struct Side<'g> {
     near: Vec<Pair<'g>>,
     crossings: Vec<Moving<'g>>,
+    /// What the last answer to each near pair left.
+    warm: Vec<Warm>,
 }
 
 impl<'g> Side<'g> {
     /// The workload's pairs; `geometries` are those of its forms.
     pub(crate) fn new(geometries: &'g [Geometry], workload: &Workload) -> Self {
         let placed = |place: &Place| Placed { geometry: &geometries[place.form], pose: pose(place) };
-        let moving = |crossing: &Crossing| Moving {
-            pair: [placed(&crossing.a), placed(&crossing.b)],
-            motion: Motion {
+        let moving = |crossing: &Crossing| {
+            let motion = Motion {
                 displacement_a: DVec3::ZERO,
                 displacement_b: vector(crossing.displacement),
                 initial: InitialTouch::Counts,
-            },
-            way: crossing.way,
+            };
+            Moving { pair: [placed(&crossing.a), placed(&crossing.b)], motion, way: crossing.way }
         };
         Self {
             near: workload.near.iter().map(|pair| [placed(&pair[0]), placed(&pair[1])]).collect(),
             crossings: workload.crossings.iter().map(moving).collect(),
+            warm: vec![Warm::default(); workload.near.len()],
         }
     }
 
     /// What the answers to all pairs prove.
-    pub(crate) fn proofs(&self, operation: Operation) -> Vec<Proof> {
+    pub(crate) fn proofs(&mut self, operation: Operation) -> Vec<Proof> {
         let near = self.near.iter();
         let crossings = self.crossings.iter();
         match operation {
             Operation::Overlap => near.map(|pair| Proof::of_verdict(&overlap(pair))).collect(),
-            Operation::Distance | Operation::DistanceWarm => near.map(|pair| of_separation(distance(pair))).collect(),
-            Operation::Depth | Operation::Manifold | Operation::ManifoldWarm => {
-                near.map(|pair| of_contact(penetration(pair))).collect()
+            Operation::Distance => near.map(|pair| of_separation(distance(pair))).collect(),
+            Operation::DistanceWarm => {
+                near.zip(&mut self.warm).map(|(pair, warm)| of_separation(distance_warm(pair, warm))).collect()
+            }
+            Operation::Depth => near.map(|pair| of_depth(depth(pair))).collect(),
+            Operation::Manifold => near.map(|pair| of_contact(&manifold(pair))).collect(),
+            Operation::ManifoldWarm => {
+                near.zip(&mut self.warm).map(|(pair, warm)| of_contact(&manifold_warm(pair, warm))).collect()
             }
             Operation::Impact => crossings.map(|moving| of_impact(impact(moving), moving.way)).collect(),
         }
     }
 
-    /// CPU time of asking the first `count` pairs. There are no warm starts: those questions are the cold ones.
-    pub(crate) fn time(&self, operation: Operation, count: usize) -> Duration {
+    /// Asks each pair once where the answer leaves something for the next one to start from.
+    pub(crate) fn warm_up(&mut self, operation: Operation) {
+        if matches!(operation, Operation::DistanceWarm | Operation::ManifoldWarm) {
+            self.warm.fill(Warm::default());
+            self.time(operation, self.near.len());
+        }
+    }
+
+    /// CPU time of asking the first `count` pairs.
+    pub(crate) fn time(&mut self, operation: Operation, count: usize) -> Duration {
         let near = self.near[..count].iter();
         let crossings = self.crossings[..count].iter();
         match operation {
             Operation::Overlap => spent(near, overlap),
-            Operation::Distance | Operation::DistanceWarm => spent(near, distance),
-            Operation::Depth | Operation::Manifold | Operation::ManifoldWarm => spent(near, penetration),
+            Operation::Distance => spent(near, distance),
+            Operation::DistanceWarm => spent(near.zip(&mut self.warm), |(pair, warm)| distance_warm(pair, warm)),
+            Operation::Depth => spent(near, depth),
+            Operation::Manifold => spent(near, manifold),
+            Operation::ManifoldWarm => spent(near.zip(&mut self.warm), |(pair, warm)| manifold_warm(pair, warm)),
             Operation::Impact => spent(crossings, impact),
         }
     }
@@ -111,8 +129,20 @@ fn distance([a, b]: &Pair<'_>) -> Option<Separation> {
     narrow::distance(*a, *b, f64::INFINITY, &EXACT, &mut Work::default())
 }
 
-fn penetration([a, b]: &Pair<'_>) -> Vec<Contact> {
+fn distance_warm([a, b]: &Pair<'_>, warm: &mut Warm) -> Option<Separation> {
+    narrow::distance_warm(*a, *b, f64::INFINITY, &EXACT, warm, &mut Work::default())
+}
+
+fn depth([a, b]: &Pair<'_>) -> Option<Depth> {
+    narrow::depth(*a, *b, 0.0, &EXACT, &mut Work::default())
+}
+
+fn manifold([a, b]: &Pair<'_>) -> Contacts {
     narrow::penetration(*a, *b, 0.0, &EXACT, &mut Work::default()).expect("both are convex")
+}
+
+fn manifold_warm([a, b]: &Pair<'_>, warm: &mut Warm) -> Contacts {
+    narrow::penetration_warm(*a, *b, 0.0, &EXACT, warm, &mut Work::default()).expect("both are convex")
 }
 
 fn impact(Moving { pair: [a, b], motion, .. }: &Moving<'_>) -> Option<ImpactTouch> {
@@ -124,7 +154,11 @@ fn of_separation(separation: Option<Separation>) -> Proof {
     Proof::of_value(&separation.certificate, separation.distance, 1.0)
 }
 
-fn of_contact(contacts: Vec<Contact>) -> Proof {
+fn of_depth(depth: Option<Depth>) -> Proof {
+    depth.map_or(Proof::NONE, |depth| Proof::of_value(&depth.certificate, depth.depth, 1.0))
+}
+
+fn of_contact(contacts: &Contacts) -> Proof {
     contacts.first().map_or(Proof::NONE, |contact| Proof::of_value(&contact.certificate, contact.depth, 1.0))
 }
 
