@@ -37,7 +37,8 @@ const WORK_MAX: usize = 1 << 24;
 pub(super) struct Depth {
     /// The best value: the width along `normal`.
     pub(super) best: f64,
-    /// The depth is not below this.
+    /// The depth is not below this; negative infinity unless it is above 0: of cores that are apart the axes do not tell how
+    /// far, since what is nearest may be a corner.
     pub(super) lower: f64,
     /// The depth is not above this: the width along `normal`, rounding included.
     pub(super) upper: f64,
@@ -48,6 +49,12 @@ pub(super) struct Depth {
     /// Axes measured.
     pub(super) iterations: u32,
     pub(super) stop: Stop,
+}
+
+/// The depth that is proved when no axis parts the cores by more than `highest`.
+pub(super) fn proved_depth(highest: f64) -> f64 {
+    let depth = -highest - AXIS_LEAN;
+    if depth > 0.0 { depth } else { f64::NEG_INFINITY }
 }
 
 impl Depth {
@@ -94,9 +101,11 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
         }
     }
     if best.tested == 0 {
-        best.try_axis(perpendicular(a.edges.first().or(b.edges.first())));
+        let across = perpendicular(a.edges.first().or(b.edges.first()));
+        best.try_axis(across);
+        best.try_axis(-across);
     }
-    let lower = if is_bounded { -best.highest - AXIS_LEAN } else { f64::NEG_INFINITY };
+    let lower = if is_bounded { proved_depth(best.highest) } else { f64::NEG_INFINITY };
     Depth {
         best: -best.separation,
         lower,

@@ -16,7 +16,7 @@
 use glam::{DMat3, DVec3};
 
 use super::{
-    axes::Depth,
+    axes::{Depth, proved_depth},
     body::{Body, Corner},
     frame::Pair,
     gjk::Gap,
@@ -26,7 +26,7 @@ use crate::{
     answer::{Method, Stop},
     math::Norm,
     shape::Core,
-    tolerance::{AXIS_LEAN, DEPTH_WIDTH, PAIR_ROUNDING},
+    tolerance::{DEPTH_WIDTH, PAIR_ROUNDING},
 };
 
 /// How often a point is taken from one box to the other: one to three times unless they overlap in a wedge only.
@@ -103,7 +103,7 @@ impl Boxes {
         }
         Depth {
             best: -best.separation,
-            lower: -best.highest - AXIS_LEAN,
+            lower: proved_depth(best.highest),
             upper: -best.separation + PAIR_ROUNDING,
             normal: best.normal,
             edges: best.edges.map(|edges| edge_ends(pair, edges, best.normal)),

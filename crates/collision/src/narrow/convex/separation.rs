@@ -148,7 +148,8 @@ fn signed_gap(pair: &Pair<'_>, gap: &Gap) -> Signed {
     let lower = if gap.lower > 0.0 { gap.lower - radius } else { f64::NEG_INFINITY };
     let upper = if is_inside { PAIR_ROUNDING - gap.inside - radius } else { gap.upper - radius };
     let by_gap = Signed::new(lower, upper, gap.method, gap.stop, gap.iterations);
-    if by_gap.verdict != Verdict::Undecided || gap.stop == Stop::Budget || gap.lower > 0.0 && radius > 0.0 {
+    let is_open = by_gap.verdict == Verdict::Undecided && gap.stop == Stop::Converged;
+    if !is_open || gap.lower > 0.0 && radius > 0.0 {
         return by_gap;
     }
     let depth = axes::depth(pair);
