@@ -2,13 +2,14 @@
 //! compares the crate's or a running server's answers with those of an independent reference.
 //!
 //! # Map
-//! [`sets`] reads a folder of query sets; [`oracle`] evaluates forms in plain f64 without trees or iterations;
-//! [`check`] asks, compares and reports; [`scene`] makes worlds for benches.
+//! [`sets`] reads a folder of query sets; [`oracle`] knows what is true, slowly;
+//! [`check`] asks, compares and reports; [`coverage`] does so for random pairs; [`scene`] makes worlds for benches.
 //!
 //! # Never
 //! The oracle never knows the kernels; nothing here knows the server's insides.
 
 pub mod check;
+pub mod coverage;
 pub mod oracle;
 pub mod scene;
 pub mod sets;

@@ -1,14 +1,21 @@
 //! `yardstick check DIR`: asks every query set of a folder and says whether all answers are right.
+//! `yardstick coverage`: asks very many random pairs and says whether every interval holds the truth.
 
 use std::{
+    fs::File,
     io::{self, IsTerminal, Write},
     path::PathBuf,
     process::ExitCode,
+    sync::atomic::{AtomicBool, AtomicU64, Ordering},
+    thread,
 };
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use yardstick::check::{Asker, CrateAsker, Known, Reporting, ServerAsker, check_folder};
+use yardstick::{
+    check::{Asker, CrateAsker, Known, Reporting, ServerAsker, check_folder},
+    coverage::{self, Failure, Kind, Settings},
+};
 
 /// How right Calipers is.
 #[derive(Parser)]
@@ -24,6 +31,43 @@ enum Command {
     ///
     /// Exits with 0 if all are right, 1 on any shortfall, 2 if nothing was read or a file is not understood.
     Check(CheckArguments),
+    /// Asks very many random and adversarial pairs of convex forms and compares the answers with the oracle's truth.
+    ///
+    /// Prints the first failures as tests to paste and a table by kinds. An interrupt ends it early, with the table so far.
+    /// Exits with 0 if all are right, 1 on any failure.
+    Coverage(CoverageArguments),
+}
+
+#[derive(clap::Args)]
+struct CoverageArguments {
+    /// How many pairs.
+    #[arg(long, value_name = "COUNT", default_value_t = 100_000)]
+    pairs: u64,
+    /// Names the run: the same seed makes the same pairs.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// The number of the first pair: with `--pairs 1`, the pair of a failure alone.
+    #[arg(long, value_name = "INDEX", default_value_t = 0)]
+    first: u64,
+    /// Only pairs of these kinds, such as box-cylinder (they change what a number stands for).
+    #[arg(long, value_name = "A-B", value_parser = kinds)]
+    kind: Option<(Kind, Kind)>,
+    /// Threads to use.
+    #[arg(long, value_name = "COUNT", default_value_t = 1)]
+    threads: usize,
+    /// Show this many failures as tests.
+    #[arg(long, value_name = "COUNT", default_value_t = 10)]
+    examples: usize,
+    /// Write the table to this file as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+fn kinds(text: &str) -> Result<(Kind, Kind), String> {
+    let known = || Kind::ALL.map(Kind::name).join(", ");
+    let (a, b) = text.split_once('-').ok_or("two kinds with a dash between them, such as box-hull")?;
+    let named = |name: &str| Kind::named(name).ok_or_else(|| format!("`{name}` is none of {}", known()));
+    Ok((named(a)?, named(b)?))
 }
 
 #[derive(clap::Args)]
@@ -44,9 +88,15 @@ struct CheckArguments {
 /// Nothing was read, or something was not understood.
 const EXIT_NOT_UNDERSTOOD: u8 = 2;
 
+/// What a shell calls a program that an interrupt ended.
+const EXIT_INTERRUPTED: i32 = 130;
+
 fn main() -> ExitCode {
-    let Command::Check(arguments) = Arguments::parse().command;
-    match check(&arguments) {
+    let done = match Arguments::parse().command {
+        Command::Check(arguments) => check(&arguments),
+        Command::Coverage(arguments) => cover(&arguments).map_err(|error| error.to_string()),
+    };
+    match done {
         Ok(code) => ExitCode::from(code),
         Err(reason) => {
             let _ = writeln!(io::stderr(), "yardstick: {reason}");
@@ -97,6 +147,59 @@ fn check(arguments: &CheckArguments) -> Result<u8, String> {
     };
     print(&mut out).map_err(|error| error.to_string())?;
     Ok(conclusion.exit_code())
+}
+
+fn cover(arguments: &CoverageArguments) -> io::Result<u8> {
+    // Panics of the kernels are failures like others; their text would only drown the table.
+    std::panic::set_hook(Box::new(|_| {}));
+    let settings = Settings {
+        pairs: arguments.pairs,
+        first: arguments.first,
+        seed: arguments.seed,
+        kinds: arguments.kind,
+        threads: arguments.threads,
+    };
+    static STOP: AtomicBool = AtomicBool::new(false);
+    stop_on_interrupt(&STOP)?;
+    let bar = progress_bar();
+    bar.set_length(settings.pairs);
+    let failed_count = AtomicU64::new(0);
+    let done = |count: u64| {
+        if count.is_multiple_of(256) {
+            bar.set_position(count);
+            bar.set_message(format!("{} failed", failed_count.load(Ordering::Relaxed)));
+        }
+    };
+    let mut shown = 0;
+    let mut failed = |failure: Failure| {
+        failed_count.fetch_add(1, Ordering::Relaxed);
+        if shown < arguments.examples {
+            shown += 1;
+            bar.suspend(|| {
+                let _ = writeln!(io::stdout(), "{}", failure.source);
+            });
+        }
+    };
+    let report = coverage::run(&settings, &STOP, &done, &mut failed);
+    bar.finish_and_clear();
+    report.print(&mut io::stdout().lock())?;
+    if let Some(path) = &arguments.json {
+        report.write_json(&mut File::create(path)?)?;
+    }
+    Ok(u8::from(report.total().failed > 0))
+}
+
+/// Sets `stop` at the first interrupt; a second one ends the program.
+fn stop_on_interrupt(stop: &'static AtomicBool) -> io::Result<()> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build()?;
+    thread::spawn(move || {
+        while runtime.block_on(tokio::signal::ctrl_c()).is_ok() {
+            if stop.swap(true, Ordering::Relaxed) {
+                std::process::exit(EXIT_INTERRUPTED);
+            }
+        }
+    });
+    Ok(())
 }
 
 /// A bar on a terminal; nothing where nobody watches.

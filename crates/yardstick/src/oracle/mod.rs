@@ -1,8 +1,23 @@
-//! A slow and obvious oracle: plain f64 formulas, every feature looked at, no tree and no iteration, and nothing taken
-//! from the kernels it judges.
+//! A slow and obvious oracle, which takes nothing from the kernels it judges.
+//!
+//! # Map
+//! [`Truth`] is the signed distance of two convex forms to 32 digits, with bounds of its own. The rest are plain f64 formulas
+//! for the conformance runner: every feature looked at, no tree and no iteration.
 
+mod apart;
 mod convex;
+mod double;
+mod form;
+mod frame;
+mod inside;
+mod polytope;
+mod space;
 mod surface;
+mod truth;
+
+pub use double::{Double, Number};
+pub use form::{Core, PlacedSolid, Solid, length, scale};
+pub use truth::Truth;
 
 pub use convex::{separation_along, signed_distance_lower, support_height};
 pub use surface::{distance_to_mesh, distance_to_triangle, nearest_on_mesh};

@@ -1,0 +1,290 @@
+//! Holds answers against the truth.
+
+use collision::{
+    DVec3,
+    accuracy::Tier,
+    answer::{Bound, Certificate, Stop, Verdict},
+    narrow::{Contact, Separation},
+};
+
+use super::{ask::Answers, pairs::Question};
+use crate::oracle::{Truth, scale};
+
+/// What is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FaultKind {
+    /// An interval does not hold the truth.
+    Bound,
+    /// A wrong yes or no.
+    Verdict,
+    /// Undecided, though not near touch.
+    Undecided,
+    /// Wider than was asked, though converged.
+    Width,
+    /// A normal that is not of length 1 or not the way out that the bound says.
+    Normal,
+    /// NaN, bounds in the wrong order, a value outside of them.
+    Form,
+    /// Swapped arguments do not swap the answer.
+    Order,
+    /// A kernel panicked.
+    Panic,
+}
+
+impl FaultKind {
+    /// All of them.
+    pub const ALL: [Self; 8] =
+        [Self::Bound, Self::Verdict, Self::Undecided, Self::Width, Self::Normal, Self::Form, Self::Order, Self::Panic];
+
+    /// Its name in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bound => "bound",
+            Self::Verdict => "verdict",
+            Self::Undecided => "undecided",
+            Self::Width => "width",
+            Self::Normal => "normal",
+            Self::Form => "form",
+            Self::Order => "order",
+            Self::Panic => "panic",
+        }
+    }
+}
+
+/// Something wrong with an answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    /// What kind of thing.
+    pub kind: FaultKind,
+    /// In words and numbers.
+    pub what: String,
+}
+
+/// What came of a pair.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// Nothing, if all is right.
+    pub faults: Vec<Fault>,
+    /// They overlap, says the oracle.
+    pub overlaps: bool,
+    /// The overlap question was left open.
+    pub is_undecided: bool,
+    /// Width of the distance's interval over s, in the exact tier.
+    pub distance_width: Option<f64>,
+    /// Width of the depth's interval over s, in the exact tier.
+    pub depth_width: Option<f64>,
+    /// How far the oracle's own bounds are apart, over s.
+    pub blur: f64,
+}
+
+impl Outcome {
+    fn fault(&mut self, kind: FaultKind, what: impl Into<String>) {
+        self.faults.push(Fault { kind, what: what.into() });
+    }
+}
+
+/// Widest interval to accept of a search that converged, as a part of s.
+const CONVERGED: f64 = 1e-12;
+
+/// UNDECIDED is accepted within this part of s of touch.
+const OPEN: f64 = 1e-11;
+
+/// Normals may be off by this, and the width along them by this part of s.
+const NORMAL: f64 = 1e-13;
+
+/// Widths are judged relative to at least this, metres: the least size the service accepts.
+const SCALE_MIN: f64 = 1e-9;
+
+struct Judge<'a> {
+    question: &'a Question,
+    truth: &'a Truth,
+    s: f64,
+    outcome: Outcome,
+}
+
+/// Judges the answers in the order of the question, and whether those in the other order are the same.
+#[must_use]
+pub fn judge(question: &Question, [there, back]: &[Answers; 2], truth: &Truth) -> Outcome {
+    let s = scale(&question.a, &question.b).max(SCALE_MIN);
+    let outcome = Outcome { overlaps: !truth.is_above(0.0), blur: truth.blur() / s, ..Outcome::default() };
+    let mut judge = Judge { question, truth, s, outcome };
+    judge.distance(there.distance.as_ref());
+    judge.overlap(&there.overlap);
+    judge.contact(there.contact.as_ref());
+    judge.order(there, back);
+    judge.outcome
+}
+
+impl Judge<'_> {
+    fn fault(&mut self, kind: FaultKind, what: impl Into<String>) {
+        let what = what.into();
+        self.outcome.fault(kind, format!("{what}; truth {:e}, s {:e}", self.truth.nearest(), self.s));
+    }
+
+    fn is_exact(&self) -> bool {
+        self.question.accuracy.tier == Tier::Exact && self.question.accuracy.max_error == 0.0
+    }
+
+    fn distance(&mut self, answer: Option<&Separation>) {
+        let limit = self.question.limit;
+        let Some(answer) = answer else {
+            if self.truth.is_below(limit) {
+                self.fault(FaultKind::Verdict, format!("distance: none within {limit:e}"));
+            }
+            return;
+        };
+        let bound = answer.certificate.bound;
+        self.form("distance", bound, answer.distance);
+        if bound.lower > 0.0 && self.truth.is_below(bound.lower)
+            || bound.upper >= 0.0 && self.truth.is_above(bound.upper)
+        {
+            self.fault(FaultKind::Bound, format!("distance in [{:e}, {:e}]", bound.lower, bound.upper));
+        }
+        if bound.lower < 0.0 {
+            self.fault(FaultKind::Form, format!("distance: lower {:e} is below 0", bound.lower));
+        }
+        match answer.certificate.verdict {
+            Verdict::Hit if self.truth.is_above(limit) => {
+                self.fault(FaultKind::Verdict, format!("distance: within {limit:e}"));
+            }
+            Verdict::Miss => self.fault(FaultKind::Verdict, "distance: MISS in an answer"),
+            _ => {}
+        }
+        self.width("distance", &answer.certificate);
+        self.witnesses(answer);
+        if self.is_exact() {
+            self.outcome.distance_width = Some(bound.width() / self.s);
+        }
+    }
+
+    /// Points carry no bound; they must be finite and about as far apart as the answer says.
+    fn witnesses(&mut self, answer: &Separation) {
+        let apart = answer.point_on_a.distance(answer.point_on_b);
+        let far = answer.point_on_a.abs().max_element().max(answer.point_on_b.abs().max_element());
+        let slack = self.s * 1e-9 + far * 1e-15 + answer.certificate.bound.width();
+        if !((apart - answer.distance).abs() <= slack) {
+            self.fault(FaultKind::Form, format!("distance {:e}, but its points are {apart:e} apart", answer.distance));
+        }
+        if answer.normal_b_to_a.is_some_and(|normal| !is_unit(normal)) {
+            self.fault(FaultKind::Normal, format!("distance: normal {:?}", answer.normal_b_to_a));
+        }
+    }
+
+    fn overlap(&mut self, answer: &Certificate) {
+        let bound = answer.bound;
+        if !(bound.lower <= bound.upper) {
+            self.fault(FaultKind::Form, format!("overlap in [{:e}, {:e}]", bound.lower, bound.upper));
+        }
+        if self.truth.is_below(bound.lower) || self.truth.is_above(bound.upper) {
+            self.fault(FaultKind::Bound, format!("overlap in [{:e}, {:e}]", bound.lower, bound.upper));
+        } else if self.truth.is_likely_below(bound.lower) {
+            self.fault(FaultKind::Bound, format!("overlap in [{:e}, {:e}], likely", bound.lower, bound.upper));
+        }
+        match answer.verdict {
+            Verdict::Hit if self.truth.is_above(0.0) => self.fault(FaultKind::Verdict, "overlap: HIT"),
+            Verdict::Miss if self.truth.is_below(0.0) => self.fault(FaultKind::Verdict, "overlap: MISS"),
+            Verdict::Undecided => {
+                self.outcome.is_undecided = true;
+                let is_excused = answer.stop == Stop::Budget && self.question.accuracy.tier != Tier::Exact;
+                if self.truth.nearest().abs() > OPEN * self.s && !is_excused {
+                    let what = format!("overlap in [{:e}, {:e}], {:?}", bound.lower, bound.upper, answer.stop);
+                    self.fault(FaultKind::Undecided, what);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn contact(&mut self, answer: Option<&Contact>) {
+        let max_gap = self.question.max_gap;
+        let Some(answer) = answer else {
+            if self.truth.is_below(max_gap) {
+                self.fault(FaultKind::Verdict, format!("depth: no contact within {max_gap:e}"));
+            }
+            return;
+        };
+        let bound = answer.certificate.bound;
+        self.form("depth", bound, answer.depth);
+        if self.truth.is_above(-bound.lower) || self.truth.is_below(-bound.upper) {
+            self.fault(FaultKind::Bound, format!("depth in [{:e}, {:e}]", bound.lower, bound.upper));
+        } else if self.truth.is_likely_below(-bound.upper) {
+            self.fault(FaultKind::Bound, format!("depth in [{:e}, {:e}], likely", bound.lower, bound.upper));
+        }
+        match answer.certificate.verdict {
+            Verdict::Hit if self.truth.is_above(0.0) => self.fault(FaultKind::Verdict, "depth: HIT"),
+            Verdict::Miss if self.truth.is_below(0.0) => self.fault(FaultKind::Verdict, "depth: MISS"),
+            _ => {}
+        }
+        self.width("depth", &answer.certificate);
+        let normal = answer.normal_b_to_a;
+        if !is_unit(normal) {
+            self.fault(FaultKind::Normal, format!("depth: normal {normal:?}"));
+        } else {
+            let width = -self.truth.gap_along(-normal);
+            if width > bound.upper + NORMAL * self.s {
+                let what = format!("depth up to {:e}, but {width:e} along its normal", bound.upper);
+                self.fault(FaultKind::Normal, what);
+            }
+        }
+        let points = answer.points.iter().flat_map(|point| [point.point_on_a, point.point_on_b]);
+        if answer.points.is_empty() || !points.fold(DVec3::ZERO, |sum, point| sum + point).is_finite() {
+            self.fault(FaultKind::Form, format!("depth: points {:?}", answer.points));
+        }
+        if self.is_exact() {
+            self.outcome.depth_width = Some(bound.width() / self.s);
+        }
+    }
+
+    fn form(&mut self, name: &str, bound: Bound, value: f64) {
+        // NaN fails every comparison.
+        if !(bound.lower <= value && value <= bound.upper && value.is_finite()) {
+            self.fault(FaultKind::Form, format!("{name} {value:e} in [{:e}, {:e}]", bound.lower, bound.upper));
+        }
+    }
+
+    fn width(&mut self, name: &str, certificate: &Certificate) {
+        let (bound, accuracy) = (certificate.bound, &self.question.accuracy);
+        let value = bound.lower.abs().max(bound.upper.abs());
+        let asked = accuracy.max_error.max(accuracy.max_error_relative * value);
+        let widest = match certificate.stop {
+            Stop::Budget if accuracy.tier == Tier::Exact => asked.max(CONVERGED * self.s),
+            Stop::Budget => f64::INFINITY,
+            Stop::Tolerance => asked,
+            Stop::Converged => asked.max(CONVERGED * self.s),
+        };
+        if !(bound.width() <= widest) {
+            let width = bound.width() / self.s;
+            let what = format!(
+                "{name} in [{:e}, {:e}] is {width:e} s wide: {:?} by {:?} after {} iterations, asked {:e}",
+                bound.lower, bound.upper, certificate.stop, certificate.method, certificate.iterations, asked
+            );
+            self.fault(FaultKind::Width, what);
+        }
+    }
+
+    fn order(&mut self, there: &Answers, back: &Answers) {
+        if there.overlap != back.overlap {
+            self.fault(FaultKind::Order, format!("overlap: {:?}, swapped {:?}", there.overlap, back.overlap));
+        }
+        let distance = |answer: &Separation, [on_a, on_b]: [DVec3; 2], sign: f64| {
+            let normal = answer.normal_b_to_a.map(|normal| normal * sign);
+            (answer.distance, answer.certificate, on_a, on_b, normal)
+        };
+        let here = there.distance.as_ref().map(|answer| distance(answer, [answer.point_on_a, answer.point_on_b], 1.0));
+        let other = back.distance.as_ref().map(|answer| distance(answer, [answer.point_on_b, answer.point_on_a], -1.0));
+        if here != other {
+            self.fault(FaultKind::Order, format!("distance: {here:?}, swapped {other:?}"));
+        }
+        let contact = |answer: &Contact, sign: f64| (answer.depth, answer.certificate, answer.normal_b_to_a * sign);
+        let here = there.contact.as_ref().map(|answer| contact(answer, 1.0));
+        let other = back.contact.as_ref().map(|answer| contact(answer, -1.0));
+        if here != other {
+            self.fault(FaultKind::Order, format!("depth: {here:?}, swapped {other:?}"));
+        }
+    }
+}
+
+fn is_unit(normal: DVec3) -> bool {
+    (normal.length() - 1.0).abs() <= NORMAL
+}

@@ -1,0 +1,33 @@
+//! Coverage: random and adversarial pairs of convex forms, each answer of the kernels held against the oracle's truth.
+//!
+//! # Map
+//! [`forms`] makes forms, [`pairs`] places two of them and says what is asked, [`ask`] asks the kernels in both orders,
+//! [`judge`] compares with [`crate::oracle::Truth`], [`report`] counts by kinds, [`source`] writes what failed as a test
+//! to paste, [`run`] does it all on some threads.
+//!
+//! # What is checked
+//! * No interval misses the truth, with no slack beyond the oracle's own bounds (1e-27 of the pair for corners; for round
+//!   cores apart what is proved on both sides). The depth of round cores that overlap is, for the oracle, the least width
+//!   of very many directions, the answer's own normal among them: a lower bound of the depth above it is surely
+//!   wrong; an upper bound more than 1e-15 of the pair below it is not the width along the normal it came with.
+//! * Verdicts, `None` and limits say what is true; UNDECIDED only within 1e-11·s of touch, s being
+//!   the greatest of both radii and the distance of the origins.
+//! * An interval is as narrow as was asked, or, converged, 1e-12·s.
+//! * The returned normal of a depth has length 1 and the width along it does not exceed the upper bound (by 1e-13·s:
+//!   normals carry no bound).
+//! * Swapping the arguments swaps every byte of the answer.
+
+mod ask;
+mod forms;
+mod judge;
+mod pairs;
+mod report;
+mod run;
+mod source;
+
+pub use ask::Answers;
+pub use forms::Kind;
+pub use judge::{Fault, FaultKind, Outcome, judge};
+pub use pairs::{Question, question};
+pub use report::{KindReport, Report};
+pub use run::{Failure, Settings, examine, run};
