@@ -14,7 +14,7 @@ use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use yardstick::{
     check::{Asker, CrateAsker, Known, Reporting, ServerAsker, check_folder},
-    coverage::{self, Failure, Kind, Settings},
+    coverage::{self, Failure, Fault, Kind, Settings},
 };
 
 /// How right Calipers is.
@@ -58,6 +58,9 @@ struct CoverageArguments {
     /// Show this many failures as tests.
     #[arg(long, value_name = "COUNT", default_value_t = 10)]
     examples: usize,
+    /// Show only failures of this kind: bound, verdict, undecided, width, normal, form, order or panic.
+    #[arg(long, value_name = "KIND")]
+    fault: Option<String>,
     /// Write the table to this file as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -173,7 +176,8 @@ fn cover(arguments: &CoverageArguments) -> io::Result<u8> {
     let mut shown = 0;
     let mut failed = |failure: Failure| {
         failed_count.fetch_add(1, Ordering::Relaxed);
-        if shown < arguments.examples {
+        let is_wanted = |fault: &Fault| arguments.fault.as_ref().is_none_or(|wanted| wanted == fault.kind.name());
+        if shown < arguments.examples && failure.faults.iter().any(is_wanted) {
             shown += 1;
             bar.suspend(|| {
                 let _ = writeln!(io::stdout(), "{}", failure.source);

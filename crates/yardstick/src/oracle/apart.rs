@@ -13,7 +13,7 @@
 use super::{
     double::{Double, Number},
     frame::Pair,
-    space::Vector,
+    space::{Vector, vector},
 };
 
 /// Bounds of the distance of two cores.
@@ -40,7 +40,8 @@ const FLAT: f64 = 1e-26;
 pub(super) fn distance(pair: &Pair) -> Apart {
     let cores = &pair.exact;
     let one = Double::of(1.0);
-    let start = cores.b.support(super::space::vector(one, one, one)) - cores.a.position;
+    let aside = vector(one, one, one);
+    let start = cores.b.support(aside) - cores.a.support(aside);
     let mut simplex: Vec<Vector<Double>> = vec![start];
     let mut nearest = start;
     let mut found = Apart { lower: Double::of(f64::NEG_INFINITY), upper: start.length(), normal: Vector::zero() };

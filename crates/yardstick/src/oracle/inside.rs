@@ -99,6 +99,13 @@ const CIRCLES_MAX: usize = 10;
 /// The last step of a compass, radians: the square of it is below rounding.
 const STEP_MIN: f64 = 1e-9;
 
+/// A compass keeps its step while that gains more than this part of its square: less is rounding, and would go on forever
+/// where the width is the same all along a circle.
+const GAIN_MIN: f64 = 1e-3;
+
+/// Moves and shrinkings of one compass: along a ridge that no point of it follows it gains a little without end.
+const MOVES_MAX: usize = 120;
+
 struct Search<'a> {
     pair: &'a Pair,
     circles: Vec<Circle<Double>>,
@@ -190,8 +197,9 @@ impl Search<'_> {
     /// A compass of eight points whose step shrinks when none is better.
     fn climb(&self, start: (f64, Vector<f64>)) -> (f64, Vector<f64>) {
         let mut best = start;
-        let mut step = 0.1;
-        while step > STEP_MIN {
+        let (mut step, mut moves) = (0.1, 0);
+        while step > STEP_MIN && moves < MOVES_MAX {
+            moves += 1;
             let (east, north) = tangents(best.1);
             let mut next = best;
             for (x, y) in [(1.0, 0.0), (0.7, 0.7), (0.0, 1.0), (-0.7, 0.7)] {
@@ -200,9 +208,10 @@ impl Search<'_> {
                     next = better(next, (self.rough(direction), direction));
                 }
             }
-            if next.0 > best.0 {
+            if next.0 > best.0 + GAIN_MIN * step * step {
                 best = next;
             } else {
+                best = better(best, next);
                 step *= 0.4;
             }
         }
@@ -216,14 +225,16 @@ impl Search<'_> {
             let direction = circle.at(frame, angle.cos(), angle.sin());
             (self.rough(direction), direction)
         };
-        let (mut best, mut angle, mut step) = (at(0.0), 0.0, 0.1);
-        while step > STEP_MIN {
+        let (mut best, mut angle, mut step, mut moves) = (at(0.0), 0.0, 0.1, 0);
+        while step > STEP_MIN && moves < MOVES_MAX {
+            moves += 1;
             let (forth, back) = (at(angle + step), at(angle - step));
             let next = better(forth, back);
-            if next.0 > best.0 {
+            if next.0 > best.0 + GAIN_MIN * step * step {
                 angle += if forth.0 >= back.0 { step } else { -step };
                 best = next;
             } else {
+                best = better(best, next);
                 step *= 0.4;
             }
         }
