@@ -58,7 +58,7 @@ struct CoverageArguments {
     /// Show this many failures as tests.
     #[arg(long, value_name = "COUNT", default_value_t = 10)]
     examples: usize,
-    /// Show only failures of this kind: bound, verdict, undecided, width, normal, form, order or panic.
+    /// Show only failures of this kind: bound, verdict, undecided, width, normal, form, points, order or panic.
     #[arg(long, value_name = "KIND")]
     fault: Option<String>,
     /// Write the table to this file as JSON.

@@ -25,6 +25,8 @@ pub enum FaultKind {
     Normal,
     /// NaN, bounds in the wrong order, a value outside of them.
     Form,
+    /// Nearest points that are not as far apart as the distance.
+    Points,
     /// Swapped arguments do not swap the answer.
     Order,
     /// A kernel panicked.
@@ -33,8 +35,17 @@ pub enum FaultKind {
 
 impl FaultKind {
     /// All of them.
-    pub const ALL: [Self; 8] =
-        [Self::Bound, Self::Verdict, Self::Undecided, Self::Width, Self::Normal, Self::Form, Self::Order, Self::Panic];
+    pub const ALL: [Self; 9] = [
+        Self::Bound,
+        Self::Verdict,
+        Self::Undecided,
+        Self::Width,
+        Self::Normal,
+        Self::Form,
+        Self::Points,
+        Self::Order,
+        Self::Panic,
+    ];
 
     /// Its name in reports.
     #[must_use]
@@ -46,6 +57,7 @@ impl FaultKind {
             Self::Width => "width",
             Self::Normal => "normal",
             Self::Form => "form",
+            Self::Points => "points",
             Self::Order => "order",
             Self::Panic => "panic",
         }
@@ -164,7 +176,10 @@ impl Judge<'_> {
         let far = answer.point_on_a.abs().max_element().max(answer.point_on_b.abs().max_element());
         let slack = self.s * 1e-9 + far * 1e-15 + answer.certificate.bound.width();
         if !((apart - answer.distance).abs() <= slack) {
-            self.fault(FaultKind::Form, format!("distance {:e}, but its points are {apart:e} apart", answer.distance));
+            self.fault(
+                FaultKind::Points,
+                format!("distance {:e}, but its points are {apart:e} apart", answer.distance),
+            );
         }
         if answer.normal_b_to_a.is_some_and(|normal| !is_unit(normal)) {
             self.fault(FaultKind::Normal, format!("distance: normal {:?}", answer.normal_b_to_a));
