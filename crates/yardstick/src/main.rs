@@ -70,7 +70,10 @@ fn kinds(text: &str) -> Result<(Kind, Kind), String> {
     let known = || Kind::ALL.map(Kind::name).join(", ");
     let (a, b) = text.split_once('-').ok_or("two kinds with a dash between them, such as box-hull")?;
     let named = |name: &str| Kind::named(name).ok_or_else(|| format!("`{name}` is none of {}", known()));
-    Ok((named(a)?, named(b)?))
+    match (named(a)?, named(b)?) {
+        (Kind::HalfSpace, Kind::HalfSpace) => Err("two half spaces overlap without end".into()),
+        kinds => Ok(kinds),
+    }
 }
 
 #[derive(clap::Args)]

@@ -34,6 +34,7 @@ pub(super) fn geometry(solid: &Solid) -> Result<Geometry, GeometryError> {
         Core::Hull(points) => rounded(Geometry::hull(points)?),
         Core::Cylinder { half_height, radius } => rounded(Geometry::cylinder(*half_height, *radius)?),
         Core::Cone { half_height, radius } => rounded(Geometry::cone(*half_height, *radius)?),
+        Core::HalfSpace { normal, offset } => Geometry::half_space(*normal, *offset),
         Core::Ellipsoid { radii } => rounded(Geometry::ellipsoid(*radii)?),
     }
 }

@@ -30,11 +30,13 @@ pub enum Kind {
     Cone,
     /// See above.
     Ellipsoid,
+    /// Only with others: two of them overlap without end.
+    HalfSpace,
 }
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Point,
         Self::Sphere,
         Self::Capsule,
@@ -45,6 +47,7 @@ impl Kind {
         Self::Cylinder,
         Self::Cone,
         Self::Ellipsoid,
+        Self::HalfSpace,
     ];
 
     /// Its name in reports and on the command line.
@@ -61,6 +64,7 @@ impl Kind {
             Self::Cylinder => "cylinder",
             Self::Cone => "cone",
             Self::Ellipsoid => "ellipsoid",
+            Self::HalfSpace => "half_space",
         }
     }
 
@@ -90,6 +94,9 @@ const SIZE_MAX: f64 = 5e8;
 
 /// A form of about a size, metres.
 pub(super) fn form(random: &mut Random, kind: Kind, style: Style, size: f64) -> Solid {
+    if kind == Kind::HalfSpace {
+        return Solid { core: half_space(random, style, size), radius: 0.0 };
+    }
     let mut core_size = |most: f64| {
         let part = match style {
             Style::Plain | Style::Denormal => random.uniform(0.1, 1.0),
@@ -132,6 +139,8 @@ pub(super) fn form(random: &mut Random, kind: Kind, style: Style, size: f64) -> 
             };
             Core::Ellipsoid { radii }
         }
+        // Returned above.
+        Kind::HalfSpace => Core::Point,
     };
     Solid { core, radius: rounding(random, kind, style, size) }
 }
@@ -142,6 +151,24 @@ fn rounding(random: &mut Random, kind: Kind, style: Style, size: f64) -> f64 {
     }
     let part = if style == Style::Dyadic { 0.125 } else { power_of_ten(random, -4.0, 0.0) };
     (part * size).clamp(SIZE_MIN, SIZE_MAX)
+}
+
+fn half_space(random: &mut Random, style: Style, size: f64) -> Core {
+    let length = power_of_ten(random, -5.0, 5.0);
+    let (normal, part) = (random.direction() * length, random.uniform(-1.0, 1.0));
+    let (normal, part) = match style {
+        Style::Plain | Style::Stretched => (normal, part),
+        // Planes across axes, and with normals of which the length is a whole number or an inexact root.
+        Style::Dyadic => {
+            let normals = [DVec3::X, DVec3::Y, DVec3::NEG_Z, DVec3::new(3.0, 4.0, 0.0), DVec3::new(0.0, 1.0, -1.0)];
+            (normals[(random.bits() % 5) as usize] * 0.5, (part * 8.0).round() / 8.0)
+        }
+        Style::Denormal => {
+            let tiny = if random.bits() % 2 == 0 { 1e-300 } else { 1.0 };
+            (with_subnormals(random, normal * tiny) + DVec3::Y * 5e-324, part * 1e-310)
+        }
+    };
+    Core::HalfSpace { normal, offset: part * size }
 }
 
 /// Ten to the power of a uniform number.

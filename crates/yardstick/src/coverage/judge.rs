@@ -121,6 +121,9 @@ pub fn judge(question: &Question, [there, back]: &[Answers; 2], truth: &Truth) -
     let s = scale(&question.a, &question.b).max(SCALE_MIN);
     let outcome = Outcome { overlaps: !truth.is_above(0.0), blur: truth.blur() / s, ..Outcome::default() };
     let mut judge = Judge { question, truth, s, outcome };
+    if truth.nearest().is_nan() {
+        judge.fault(FaultKind::Form, "the oracle has no answer");
+    }
     judge.distance(there.distance.as_ref());
     judge.overlap(&there.overlap);
     judge.contact(there.contact.as_ref());

@@ -282,8 +282,10 @@ impl Maker<'_> {
     fn exact_touch(&mut self) -> (PlacedSolid, PlacedSolid) {
         let (a, mut b) = self.grid();
         let axis = [DVec3::X, DVec3::Y, DVec3::Z][(self.random.bits() % 3) as usize];
-        let gap = Truth::of(&a, &b, &[]).gap_along(axis);
-        b.position -= axis * gap;
+        let truth = Truth::of(&a, &b, &[]);
+        let gap = truth.gap_along(axis);
+        // Across a half space there is only one way.
+        b.position -= if gap.is_finite() { axis * gap } else { truth.normal_a_to_b() * truth.nearest() };
         (a, b)
     }
 }

@@ -66,6 +66,7 @@ fn form(solid: &Solid) -> String {
         }
         Core::Cylinder { half_height, radius } => format!("Geometry::cylinder({half_height:?}, {radius:?})"),
         Core::Cone { half_height, radius } => format!("Geometry::cone({half_height:?}, {radius:?})"),
+        Core::HalfSpace { normal, offset } => format!("Geometry::half_space({}, {offset:?})", vector(*normal)),
         Core::Ellipsoid { radii } => format!("Geometry::ellipsoid({})", vector(*radii)),
     };
     if solid.radius == 0.0 { core } else { format!("{core}.unwrap().rounded({:?})", solid.radius) }

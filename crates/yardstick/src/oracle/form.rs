@@ -38,6 +38,13 @@ pub enum Core {
         /// Half axes, metres.
         radii: DVec3,
     },
+    /// Everything on one side of a plane; without a radius around it.
+    HalfSpace {
+        /// Outward, of any length but 0.
+        normal: DVec3,
+        /// Where the plane cuts the line along the unit normal, metres from the local origin.
+        offset: f64,
+    },
 }
 
 /// All points within a radius of a core.
@@ -61,7 +68,8 @@ pub struct PlacedSolid {
 }
 
 impl Solid {
-    /// The greatest distance of one of its points from the local origin, metres, to within some roundings.
+    /// The greatest distance of one of its points from the local origin, metres, to within some roundings; for a half
+    /// space that of its plane.
     #[must_use]
     pub fn reach(&self) -> f64 {
         let core = match &self.core {
@@ -71,6 +79,7 @@ impl Solid {
             Core::Hull(points) => points.iter().map(|&point| length(point)).fold(0.0, f64::max),
             Core::Cylinder { half_height, radius } | Core::Cone { half_height, radius } => half_height.hypot(*radius),
             Core::Ellipsoid { radii } => radii.max_element(),
+            Core::HalfSpace { offset, .. } => offset.abs(),
         };
         core + self.radius
     }

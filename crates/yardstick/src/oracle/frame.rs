@@ -123,6 +123,8 @@ impl Body<Double> {
             Core::Cylinder { half_height, radius } => Kind::Cylinder(size(*half_height), size(*radius)),
             Core::Cone { half_height, radius } => Kind::Cone(size(*half_height), size(*radius)),
             Core::Ellipsoid { radii } => Kind::Ellipsoid(sizes(*radii)),
+            // A point of the plane: `plane` looks at the rest.
+            Core::HalfSpace { .. } => corners(&[DVec3::ZERO], Wiring::All),
         };
         Self { kind, turn, position }
     }

@@ -10,6 +10,7 @@ mod double;
 mod form;
 mod frame;
 mod inside;
+mod plane;
 mod polytope;
 mod space;
 mod surface;

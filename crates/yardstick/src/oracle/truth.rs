@@ -2,7 +2,8 @@
 //!
 //! # Method
 //! Cores that have corners only: all directions ([`polytope`]). Others: a distance proved on both sides ([`apart`]), and
-//! where the cores overlap, the least width of very many directions ([`inside`]). Radii are subtracted last.
+//! where the cores overlap, the least width of very many directions ([`inside`]). Against a half space: one support point
+//! ([`plane`]). Radii are subtracted last.
 
 use glam::DVec3;
 
@@ -11,7 +12,7 @@ use super::{
     double::{Double, Number},
     form::PlacedSolid,
     frame::Pair,
-    inside, polytope,
+    inside, plane, polytope,
     space::{Vector, times_power_of_two},
 };
 
@@ -25,6 +26,8 @@ pub struct Truth {
     /// The same as `upper` or, where round cores overlap, nearer to `lower`: not proved, see [`inside`].
     likely_upper: Double,
     normal: Vector<Double>,
+    /// Whether there is no gap along any other direction: one of the two is a half space.
+    is_only_normal: bool,
 }
 
 /// How far what is computed to 32 digits may be from the truth, in the frame (the pair is about 1 large).
@@ -33,11 +36,17 @@ const ROUNDING: f64 = 1e-27;
 /// The same of a depth that was found by trying directions.
 const SEARCHED: f64 = 1e-15;
 
+/// How far a direction in f64 may be from the normal of a half space and be taken for it.
+const SAME_NORMAL: f64 = 1e-13;
+
 impl Truth {
     /// The signed distance of two placed forms. `hints` are unit vectors from `a` to `b` to look along as well.
     #[must_use]
     pub fn of(a: &PlacedSolid, b: &PlacedSolid, hints: &[DVec3]) -> Self {
         let pair = Pair::new(a, b);
+        if let Some((gap, normal)) = plane::signed_distance(a, b, &pair) {
+            return Self { is_only_normal: true, ..Self::new(pair, [gap; 3], normal) };
+        }
         if let Some((gap, normal)) = polytope::signed_distance(&pair) {
             return Self::new(pair, [gap; 3], normal);
         }
@@ -61,6 +70,7 @@ impl Truth {
             likely_upper: likely_upper - radius + rounding,
             pair,
             normal,
+            is_only_normal: false,
         }
     }
 
@@ -104,10 +114,15 @@ impl Truth {
         self.normal.nearest()
     }
 
-    /// The gap along a direction from `a` to `b`, metres; minus the width along it where they overlap.
+    /// The gap along a direction from `a` to `b`, metres; minus the width along it where they overlap. Against a half space
+    /// it is infinite along all directions but one.
     #[must_use]
     pub fn gap_along(&self, a_to_b: DVec3) -> f64 {
         let unit = Vector::of(a_to_b).unit().unwrap_or(self.normal);
+        if self.is_only_normal {
+            let is_normal = (unit - self.normal).length().nearest() <= SAME_NORMAL;
+            return if is_normal { self.nearest() } else { f64::NEG_INFINITY };
+        }
         let gap = self.pair.exact.gap_along(unit) - self.pair.radius;
         times_power_of_two(gap.nearest(), -self.pair.exponent)
     }
