@@ -173,3 +173,8 @@ pub const POINT_DEPTH: f64 = 4.0 * PAIR_ROUNDING;
 /// twice that is taken, for the rounding of this bound itself. Larger: wider bounds. Smaller: a simplified hull might state
 /// less than what it leaves out. Test: `convex/simplify.rs`.
 pub const WITNESS_ROUNDING: f64 = 16.0 * ROUNDING;
+
+/// A triangle of an expanding polytope with an angle of less than this (its sine, 2⁻²⁰) is a sliver: its plane may lean by
+/// some 2⁻³⁰, so on which side of it the origin lies is asked exactly. Smaller, and a sliver might be taken the wrong way
+/// round, which proves a depth that is not there; larger, and more exact signs are asked. Pinned by the coverage runner.
+pub const SLIVER_SINE: f64 = 1.0 / 1_048_576.0;

@@ -29,6 +29,7 @@
 //! follow all of them: see `inscribed.rs` for a lower bound there. A budget that is spent leaves the bounds as they are.
 
 use glam::DVec3;
+use robust::{Coord3D, orient3d};
 use smallvec::{SmallVec, smallvec};
 
 use super::{
@@ -39,7 +40,7 @@ use super::{
 use crate::{
     answer::Stop,
     math::Norm,
-    tolerance::{CROSS_BLUR, FACE_HEIGHT, PAIR_ROUNDING},
+    tolerance::{CROSS_BLUR, FACE_HEIGHT, PAIR_ROUNDING, SLIVER_SINE},
 };
 
 /// What is known of the depth of two cores, in the pair's frame.
@@ -258,32 +259,34 @@ impl Surface {
     }
 }
 
-/// A direction that looks away from the origin across a triangle, and the least and the greatest height of its corners
-/// along it. Whatever the direction, the triangle has no point below the least.
+/// A direction in which a triangle (counter-clockwise from outside) looks, and the least and the greatest height of its
+/// corners along it. Whatever the direction, the triangle has no point below the least; above 0 is given only where the origin
+/// surely lies on the triangle's inner side.
 fn plane(a: DVec3, b: DVec3, c: DVec3) -> (DVec3, f64, f64) {
     let heights = |normal: DVec3| {
         let [p, q, r] = [normal.dot(a), normal.dot(b), normal.dot(c)];
         (normal, p.min(q).min(r), p.max(q).max(r))
     };
-    let normal = (b - a).cross(c - a);
+    let (u, v) = (b - a, c - a);
+    let normal = u.cross(v);
+    let is_sliver = normal.length_squared() <= SLIVER_SINE * SLIVER_SINE * u.length_squared() * v.length_squared();
     let own = normal.try_unit().map(heights);
     if let Some((normal, low, high)) = own
+        && !is_sliver
         && high - low <= FACE_HEIGHT
     {
         return (normal, low, high);
     }
-    // A sliver: its own plane is known badly, but the direction to its nearest point is known well.
+    // A sliver: its own plane is known badly, but the direction to its nearest point is known well, and the sign of the volume
+    // that it spans with the origin exactly.
     let toward = nearest_of_triangle(a, b, c).try_unit().map(heights);
+    let coordinate = |point: DVec3| Coord3D { x: point.x, y: point.y, z: point.z };
+    let is_inside = orient3d(coordinate(a), coordinate(b), coordinate(c), coordinate(DVec3::ZERO)) > 0.0;
     match (own, toward) {
-        (Some(own), Some(toward)) => {
-            if toward.1 > own.1 {
-                toward
-            } else {
-                own
-            }
-        }
-        (Some(only), None) | (None, Some(only)) => only,
-        (None, None) => (DVec3::X, f64::NEG_INFINITY, f64::INFINITY),
+        (_, Some(toward)) if is_inside && own.is_none_or(|own| toward.1 > own.1) => toward,
+        (Some((normal, low, high)), _) => (normal, if is_inside { low } else { low.min(0.0) }, high),
+        (None, Some((normal, _, high))) => (normal, 0.0, high),
+        (None, None) => (DVec3::X, 0.0, 0.0),
     }
 }
 
