@@ -72,6 +72,24 @@ pub const ARC_DOUBT: f64 = 16.0 * ROUNDING;
 /// `an_impact_lies_between_a_free_and_a_touching_instant` in `tests/convex/laws.rs`.
 pub const STEP_SHORTENING: f64 = 1.0 - 16.0 * ROUNDING;
 
+/// How far a gap of a pair in a motion that turns may be off beyond [`PAIR_ROUNDING`]: the turn of each form at a time is
+/// one more rotation. Its matrix is made of an axis right to 4 roundings and of a sine and a cosine right to 2, so each
+/// entry is right to 32, as those of the rotation at the start are. Four such matrices are multiplied: 4 · 32·√3 for the
+/// factors and 9 for the products make 231, a row of three at most √3 of that, 400, of a corner's reach; the place at a time
+/// adds a difference, a product and a sum. That is within 512, of which [`PAIR_ROUNDING`] is 128. Smaller, and an interval
+/// might miss the truth; larger, and intervals are wider. Pinned by `tests/convex/turning.rs` and the conformance runner.
+pub const MOTION_ROUNDING: f64 = 384.0 * ROUNDING;
+
+/// What the angle of a turn may be off by, as a part of itself: 5 roundings for the length of the rotation vector, one for
+/// the part of the time. Points go astray by that much of the way that turning took them, however many turns it is.
+/// Pinned by `many_turns_end_where_they_should` in `tests/convex/turning.rs`.
+pub const ANGLE_ROUNDING: f64 = 8.0 * ROUNDING;
+
+/// Widens bounds of speeds and of their changes: what a few dozen roundings may take off them is a millionth of this.
+/// Larger: shorter steps. Smaller than those roundings: a step might be no proof. Pinned by
+/// `the_way_is_free_before_and_closed_after` in `tests/convex/turning.rs`.
+pub const BEND_WIDENING: f64 = 1.0 + 1.0 / 1_048_576.0;
+
 /// Sine of the angle within which a face counts as lying flat on the other shape, when contact points are chosen. Larger,
 /// and tilted faces get points of a touch they do not have; smaller, and the rounding of a normal splits a resting face
 /// into single points. It changes which points are shown, never a depth. Pinned by `tests/convex/contact.rs`.

@@ -7,7 +7,7 @@ use collision::{
     accuracy::{Accuracy, Tier},
     answer::{Verdict, Work},
     math::Pose,
-    narrow::{InitialTouch, Motion, Placed, distance, linear_impact, overlap, penetration},
+    narrow::{InitialTouch, Motion, Placed, distance, impact, overlap, penetration},
     shape::{Form, Geometry},
 };
 use glam::{DMat3, DQuat};
@@ -98,8 +98,13 @@ fn balls_that_fly_at_meshes() {
         for record in records.iter().filter(|record| !reference::is_ambiguous(record)) {
             let ball = Geometry::sphere(number(record, "r")).expect("a ball");
             let (origin, way) = (vector(record, "o"), vector(record, "d"));
-            let motion = Motion { displacement_a: way, displacement_b: DVec3::ZERO, initial: InitialTouch::Counts };
-            let touch = linear_impact(at(&ball, Pose::at(origin)), mesh, &motion, &EXACT, &mut Work::default());
+            let motion = Motion {
+                displacement_a: way,
+                displacement_b: DVec3::ZERO,
+                initial: InitialTouch::Counts,
+                ..Motion::default()
+            };
+            let touch = impact(at(&ball, Pose::at(origin)), mesh, &motion, &EXACT, &mut Work::default());
             let is_hit = record["hit"].as_bool() == Some(true);
             let Some(touch) = touch else {
                 wrong.unless(!is_hit, || format!("{record}\n    missed"));

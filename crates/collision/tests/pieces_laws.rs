@@ -8,7 +8,7 @@ use collision::{
     answer::{Certificate, Verdict, Work},
     math::Pose,
     narrow::{
-        ImpactTouch, InitialTouch, Motion, NeedsDecomposition, Placed, Separation, distance, linear_impact, overlap,
+        ImpactTouch, InitialTouch, Motion, NeedsDecomposition, Placed, Separation, distance, impact, overlap,
         penetration,
     },
     shape::Geometry,
@@ -205,7 +205,7 @@ fn two_meshes_are_as_far_apart_as_their_nearest_triangles() {
 }
 
 fn motion(displacement_a: DVec3, displacement_b: DVec3, initial: InitialTouch) -> Motion {
-    Motion { displacement_a, displacement_b, initial }
+    Motion { displacement_a, displacement_b, initial, ..Motion::default() }
 }
 
 fn is_before(touch: &Option<ImpactTouch>, certificate: &Certificate) -> bool {
@@ -227,7 +227,7 @@ fn the_first_touch_of_a_mesh_is_that_of_its_first_triangle() {
         let initial = if round % 3 == 0 { InitialTouch::IsIgnored } else { InitialTouch::Counts };
         let touch_of = |geometry: &Geometry| {
             let (a, b) = (at(&form, there), at(geometry, here));
-            linear_impact(a, b, &motion(by_form, by_mesh, initial), &EXACT, &mut work())
+            impact(a, b, &motion(by_form, by_mesh, initial), &EXACT, &mut work())
         };
         let alone: Vec<Option<ImpactTouch>> = triangles.iter().map(touch_of).collect();
         let whole = touch_of(&soup);
@@ -241,12 +241,12 @@ fn the_first_touch_of_a_mesh_is_that_of_its_first_triangle() {
         assert_eq!(touch.fraction, earliest, "round {round}");
         assert!(is_before(&alone[touch.feature_b.face.expect("a face") as usize], &touch.certificate));
         let back = motion(by_mesh, by_form, initial);
-        let swapped = linear_impact(at(&soup, here), at(&form, there), &back, &EXACT, &mut work());
+        let swapped = impact(at(&soup, here), at(&form, there), &back, &EXACT, &mut work());
         let swapped = swapped.expect("as the other way round");
         assert_eq!(swapped.fraction.to_bits(), touch.fraction.to_bits(), "round {round}");
         assert_eq!(swapped.certificate.bound, touch.certificate.bound, "round {round}");
         let rest = motion(DVec3::ZERO, DVec3::ZERO, InitialTouch::Counts);
-        let resting = linear_impact(at(&form, there), at(&soup, here), &rest, &EXACT, &mut work());
+        let resting = impact(at(&form, there), at(&soup, here), &rest, &EXACT, &mut work());
         let touching = overlap(at(&form, there), at(&soup, here), &EXACT, &mut work()).verdict;
         assert_eq!(resting.is_some(), touching == Verdict::Hit, "round {round}");
     }

@@ -237,15 +237,28 @@ pub fn penetration_warm(
     }
 }
 
-/// How two geometries move over the time from 0 to 1, each from its pose in a straight line and without turning.
-#[derive(Clone, Copy, Debug)]
+/// How two geometries move over the time from 0 to 1: each from its pose in a straight line, and turning about its local
+/// origin at a constant speed. At the time `t` a form that is turned by `q` at the start is turned by `exp(t·rotation) q`.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Motion {
     /// How far `a` goes, metres.
     pub displacement_a: DVec3,
     /// How far `b` goes, metres.
     pub displacement_b: DVec3,
+    /// How `a` turns: the axis times the angle, radians, in the axes of the world; several turns if it is long.
+    pub rotation_a: DVec3,
+    /// How `b` turns.
+    pub rotation_b: DVec3,
     /// What becomes of a touch at the start.
     pub initial: InitialTouch,
+}
+
+impl Motion {
+    /// Whether one of the two turns.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        self.rotation_a != DVec3::ZERO || self.rotation_b != DVec3::ZERO
+    }
 }
 
 /// What becomes of pieces that touch at the start of a motion.
@@ -254,12 +267,28 @@ pub enum InitialTouch {
     /// It is the first touch, at time 0.
     #[default]
     Counts,
-    /// It is passed over until they are clear of each other, which convex pieces then stay.
+    /// It is passed over until they are clear of each other. Convex pieces then stay clear, unless one of them turns.
     IsIgnored,
 }
 
-/// The first touch of `a` and `b` in motion; `None` is a proof that the way is free.
-pub fn linear_impact(
+/// The first touch of `a` and `b` in motion; `None` is a proof that the way is free. Linear motions are answered to
+/// rounding at any accuracy; of those that turn the interval is as wide as `accuracy` allows.
+///
+/// ```
+/// use collision::{DVec3, accuracy::{Accuracy, Tier}, answer::Work, math::Pose, shape::Geometry};
+/// use collision::narrow::{Motion, Placed, impact};
+///
+/// // A stick along y turns about z towards a ball whose top is at the height of its middle.
+/// let (stick, ball) = (Geometry::capsule(1.0, 0.0)?, Geometry::sphere(0.25)?);
+/// let stick = Placed { geometry: &stick, pose: Pose::IDENTITY };
+/// let ball = Placed { geometry: &ball, pose: Pose::at(DVec3::new(-0.5, -0.25, 0.0)) };
+/// let motion = Motion { rotation_a: DVec3::Z * 3.0, ..Motion::default() };
+/// let touch = impact(stick, ball, &motion, &Accuracy::of(Tier::Exact), &mut Work::default()).expect("they meet");
+/// // The stick's upper half lies along −x a quarter turn later: then it touches the ball from above.
+/// assert!((touch.fraction * 3.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+/// # Ok::<(), collision::shape::GeometryError>(())
+/// ```
+pub fn impact(
     a: Placed<'_>,
     b: Placed<'_>,
     motion: &Motion,
@@ -270,8 +299,8 @@ pub fn linear_impact(
         return pair.linear_impact(motion, work);
     }
     match (a.as_convex(), b.as_convex()) {
-        (Some(a), Some(b)) => convex::linear_impact(a, b, motion, accuracy, work),
-        _ => pieces::linear_impact(a, b, motion, accuracy, work),
+        (Some(a), Some(b)) => convex::impact(a, b, motion, accuracy, work),
+        _ => pieces::impact(a, b, motion, accuracy, work),
     }
 }
 

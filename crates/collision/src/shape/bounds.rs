@@ -72,7 +72,8 @@ impl Convex {
         add_up(core, self.radius)
     }
 
-    fn local_bounds(&self) -> Aabb {
+    /// The box of this form in its own frame, rounded outwards.
+    pub(crate) fn local_bounds(&self) -> Aabb {
         let core = match &self.core {
             Core::Point => Aabb::new(DVec3::ZERO, DVec3::ZERO),
             Core::Segment { half_height } => symmetric(DVec3::new(0.0, *half_height, 0.0)),

@@ -6,7 +6,7 @@ use super::{
     Filter, Found, HitMode, Meter, QuestionError, ShapeId, Snapshot, Subject,
     filter::Sieve,
     hits::{Gathered, Hit, raise},
-    search::Side,
+    search::{Side, outward},
 };
 use crate::{
     accuracy::Accuracy,
@@ -17,17 +17,21 @@ use crate::{
     tolerance,
 };
 
-/// What does the subject touch first when it goes by `displacement` without turning?
+/// What does the subject touch first when it goes by `displacement` and turns by `rotation`?
 #[derive(Clone, Debug)]
 pub struct TimeOfImpact {
     /// What moves.
     pub subject: Subject,
     /// Where to, from its pose, metres.
     pub displacement: DVec3,
+    /// How it turns about its local origin meanwhile: the axis times the angle, radians, world axes.
+    pub rotation: DVec3,
     /// Only against this; `None` is the whole world, standing still.
     pub against: Option<Subject>,
     /// How `against` moves in the same time, metres.
     pub against_displacement: DVec3,
+    /// How `against` turns in the same time.
+    pub against_rotation: DVec3,
     /// What becomes of what is touched at the start.
     pub initial: InitialTouch,
     /// Which hits to return.
@@ -71,23 +75,41 @@ fn sweep(bounds: Aabb, displacement: DVec3, against_displacement: DVec3) -> Path
     }
 }
 
+/// A box that holds a form all the time while it turns where it is: that of the ball about its local origin, less what is
+/// farther from its box at the start than turning takes its points.
+fn turning_bounds(side: &Side<'_>, rotation: DVec3) -> Aabb {
+    if rotation == DVec3::ZERO {
+        return side.bounds;
+    }
+    let (reach, place) = (side.placed.geometry.reach(), side.placed.pose.position);
+    let ball = outward(Aabb::new(place, place), reach);
+    let near = outward(side.bounds, reach * rotation.length() * tolerance::LENGTH_WIDENING);
+    Aabb::new(ball.min.max(near.min), ball.max.min(near.max))
+}
+
 impl TimeOfImpact {
     fn ask(&self, subject: &Side<'_>, other: &Side<'_>, accuracy: &Accuracy, meter: &mut Meter<'_>) -> Option<Impact> {
-        let path = sweep(subject.bounds, self.displacement, self.displacement_of_others());
-        let least = path.entry(&other.bounds, 1.0)?;
+        let (displacement_b, rotation_b) = self.motion_of_others();
+        let path = sweep(turning_bounds(subject, self.rotation), self.displacement, displacement_b);
+        let least = path.entry(&turning_bounds(other, rotation_b), 1.0)?;
         let motion = Motion {
             displacement_a: self.displacement,
-            displacement_b: self.displacement_of_others(),
+            displacement_b,
+            rotation_a: self.rotation,
+            rotation_b,
             initial: self.initial,
         };
-        let mut touch = narrow::linear_impact(subject.placed, other.placed, &motion, accuracy, &mut meter.work)?;
+        let mut touch = narrow::impact(subject.placed, other.placed, &motion, accuracy, &mut meter.work)?;
         raise(&mut touch.fraction, &mut touch.certificate, least);
         Some(Impact { id: other.id(), user_data: other.user_data(), touch })
     }
 
-    /// The world stands still.
-    fn displacement_of_others(&self) -> DVec3 {
-        if self.against.is_some() { self.against_displacement } else { DVec3::ZERO }
+    /// How far what it is asked against goes, and how it turns; the world stands still.
+    fn motion_of_others(&self) -> (DVec3, DVec3) {
+        match self.against {
+            Some(_) => (self.against_displacement, self.against_rotation),
+            None => (DVec3::ZERO, DVec3::ZERO),
+        }
     }
 }
 
@@ -110,7 +132,8 @@ impl Snapshot {
             gather(&mut gathered, question.ask(&subject, &other, accuracy, meter));
             return Ok(gathered.finish());
         }
-        let path = sweep(subject.bounds, question.displacement, DVec3::ZERO);
+        let bounds = turning_bounds(&subject, question.rotation);
+        let path = sweep(bounds, question.displacement, DVec3::ZERO);
         let sieve = Sieve::new(filter, subject.shape);
         self.along(&path, 1.0, meter, |meter, entry| {
             let limit = gathered.limit().min(1.0);

@@ -39,8 +39,9 @@ fn a_ball_dropped_on_a_wide_slab_lands_in_time() {
             displacement_a: DVec3::new(0.0, -20.0, 0.0),
             displacement_b: DVec3::ZERO,
             initial: InitialTouch::Counts,
+            ..narrow::Motion::default()
         };
-        let touch = narrow::linear_impact(ball.placed(), slab.placed(), &motion, &EXACT, &mut Work::default());
+        let touch = narrow::impact(ball.placed(), slab.placed(), &motion, &EXACT, &mut Work::default());
         let fraction = touch.expect("it lands").fraction;
         assert!((fraction - 0.5).abs() * 20.0 < 1e-14 * half, "{fraction}");
     }
@@ -181,11 +182,16 @@ fn faces_that_are_all_but_parallel_are_measured_to_the_corner() {
 #[test]
 fn what_overlaps_at_rest_is_touched_at_the_start_of_any_way() {
     let (a, b) = (cube(0.5, DVec3::ZERO), cube(0.5, DVec3::X * (1.0 - 1e-12)));
-    let motion = Motion { displacement_a: -DVec3::X * 1e6, displacement_b: DVec3::ZERO, initial: InitialTouch::Counts };
-    let touch = narrow::linear_impact(a.placed(), b.placed(), &motion, &EXACT, &mut Work::default()).expect("a touch");
+    let motion = Motion {
+        displacement_a: -DVec3::X * 1e6,
+        displacement_b: DVec3::ZERO,
+        initial: InitialTouch::Counts,
+        ..Motion::default()
+    };
+    let touch = narrow::impact(a.placed(), b.placed(), &motion, &EXACT, &mut Work::default()).expect("a touch");
     assert_eq!((touch.fraction, touch.initial, touch.certificate.verdict), (0.0, true, Verdict::Hit));
     let ignored = Motion { initial: InitialTouch::IsIgnored, ..motion };
-    assert!(narrow::linear_impact(a.placed(), b.placed(), &ignored, &EXACT, &mut Work::default()).is_none());
+    assert!(narrow::impact(a.placed(), b.placed(), &ignored, &EXACT, &mut Work::default()).is_none());
 }
 
 #[test]

@@ -26,8 +26,9 @@ fn contact(a: &Body, b: &Body, max_gap: f64) -> Option<Contact> {
 
 fn impact(a: &Body, way_a: DVec3, b: &Body, way_b: DVec3) -> Option<ImpactTouch> {
     let (a, b): (Placed<'_>, Placed<'_>) = (a.placed(), b.placed());
-    let motion = Motion { displacement_a: way_a, displacement_b: way_b, initial: InitialTouch::Counts };
-    narrow::linear_impact(a, b, &motion, &EXACT, &mut Work::default())
+    let motion =
+        Motion { displacement_a: way_a, displacement_b: way_b, initial: InitialTouch::Counts, ..Motion::default() };
+    narrow::impact(a, b, &motion, &EXACT, &mut Work::default())
 }
 
 #[test]
@@ -165,8 +166,13 @@ fn with_the_start_ignored_convex_forms_that_touch_at_it_never_touch_again() {
     for [a, b] in pairs(8, 500) {
         let way = DVec3::new(0.3, -2.0, 0.7);
         let (first, second) = (a.placed(), b.placed());
-        let motion = Motion { displacement_a: way, displacement_b: DVec3::ZERO, initial: InitialTouch::IsIgnored };
-        let again = narrow::linear_impact(first, second, &motion, &EXACT, &mut Work::default());
+        let motion = Motion {
+            displacement_a: way,
+            displacement_b: DVec3::ZERO,
+            initial: InitialTouch::IsIgnored,
+            ..Motion::default()
+        };
+        let again = narrow::impact(first, second, &motion, &EXACT, &mut Work::default());
         match overlap(&a, &b).verdict {
             Verdict::Hit => assert!(again.is_none()),
             _ => assert_eq!(again.map(|t| t.fraction), impact(&a, way, &b, DVec3::ZERO).map(|t| t.fraction)),

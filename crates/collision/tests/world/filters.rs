@@ -122,8 +122,10 @@ fn a_sensor_blocks_nothing_unless_it_is_named() {
         let question = TimeOfImpact {
             subject: Subject::Geometry { geometry: ball(), pose: Pose::IDENTITY },
             displacement: DVec3::X * 10.0,
+            rotation: DVec3::ZERO,
             against,
             against_displacement,
+            against_rotation: DVec3::ZERO,
             initial: collision::narrow::InitialTouch::Counts,
             mode: HitMode::Closest,
         };

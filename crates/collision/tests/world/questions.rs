@@ -85,9 +85,11 @@ impl<'a> Brute<'a> {
             let motion = narrow::Motion {
                 displacement_a: question.displacement,
                 displacement_b: question.against_displacement,
+                rotation_a: question.rotation,
+                rotation_b: question.against_rotation,
                 initial: question.initial,
             };
-            let touch = narrow::linear_impact(subject, placed(shape), &motion, &ACCURACY, &mut self.work);
+            let touch = narrow::impact(subject, placed(shape), &motion, &ACCURACY, &mut self.work);
             let Some(touch) = touch else {
                 continue;
             };

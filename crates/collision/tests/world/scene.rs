@@ -206,8 +206,10 @@ pub(crate) fn random_questions(random: &mut Random, frame: Frame, shape_count: u
         Question::TimeOfImpact(TimeOfImpact {
             subject: impact,
             displacement: random.vector() * 8.0 * frame.scale,
+            rotation: if random.unit() < 0.5 { random.vector() * 3.0 } else { DVec3::ZERO },
             against: None,
             against_displacement: DVec3::ZERO,
+            against_rotation: DVec3::ZERO,
             initial: if random.unit() < 0.3 { InitialTouch::IsIgnored } else { InitialTouch::Counts },
             mode: random_mode(random),
         }),

@@ -107,21 +107,18 @@ fn answer(cache: &mut GeometryCache, question: &Question) -> Reply {
             contacts.sort_by(|first, second| second.depth.total_cmp(&first.depth));
             Ok(Answer::Penetration(found_verdict(contacts.iter().map(|contact| contact.claim.verdict)), contacts))
         }),
-        Question::Impact { a, motion_a, b, motion_b } => {
-            if motion_a.turns() || motion_b.turns() {
-                return Err("the crate has no question for motions that turn".to_owned());
-            }
-            with_pair(cache, a, b, |a, b| {
-                let motion = narrow::Motion {
-                    displacement_a: motion_a.displacement,
-                    displacement_b: motion_b.displacement,
-                    initial: narrow::InitialTouch::Counts,
-                };
-                let touch = narrow::linear_impact(a, b, &motion, &ACCURACY, &mut work);
-                let hits: Vec<ImpactAnswer> = touch.iter().map(impact).collect();
-                Ok(Answer::Impact(found_verdict(hits.iter().map(|hit| hit.claim.verdict)), hits))
-            })
-        }
+        Question::Impact { a, motion_a, b, motion_b } => with_pair(cache, a, b, |a, b| {
+            let motion = narrow::Motion {
+                displacement_a: motion_a.displacement,
+                displacement_b: motion_b.displacement,
+                rotation_a: motion_a.rotation_vector,
+                rotation_b: motion_b.rotation_vector,
+                initial: narrow::InitialTouch::Counts,
+            };
+            let touch = narrow::impact(a, b, &motion, &ACCURACY, &mut work);
+            let hits: Vec<ImpactAnswer> = touch.iter().map(impact).collect();
+            Ok(Answer::Impact(found_verdict(hits.iter().map(|hit| hit.claim.verdict)), hits))
+        }),
         Question::Raycast { origin, direction, max_distance, target } => {
             let geometry = cache.get(&target.form)?;
             let target = narrow::Placed { geometry: &geometry, pose: pose(&target.pose) };

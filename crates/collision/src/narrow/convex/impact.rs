@@ -1,4 +1,4 @@
-//! The first touch of two convex forms that move without turning.
+//! The first touch of two convex forms in motion; of forms that do not turn here, of others in [`super::turning`].
 //!
 //! # Method
 //! Conservative advancement: the plane that GJK proves between the cores also says how long the way stays free, so the
@@ -19,6 +19,7 @@ use super::{
     gjk, order, rods, separation,
     simplex::{self, Simplex},
     slide::{self, Slide},
+    turning,
     warm::Seed,
 };
 use crate::{
@@ -26,12 +27,13 @@ use crate::{
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
     math::Norm,
     narrow::{ImpactTouch, InitialTouch, Motion},
+    shape::Core,
     tolerance::{PAIR_ROUNDING, STEP_SHORTENING},
 };
 
 /// The first touch of `a` and `b` in motion; `None` is a proof that the way is free, or that it is so after an initial
 /// touch that is ignored.
-pub(crate) fn linear_impact(
+pub(crate) fn impact(
     a: PlacedConvex<'_>,
     b: PlacedConvex<'_>,
     motion: &Motion,
@@ -39,18 +41,29 @@ pub(crate) fn linear_impact(
     work: &mut Work,
 ) -> Option<ImpactTouch> {
     let relative = motion.displacement_a - motion.displacement_b;
-    let is_swapped = order::is_swapped(a, b);
+    let turns = [turn_of(a, motion.rotation_a), turn_of(b, motion.rotation_b)];
+    let is_swapped = is_swapped(a, b, motion);
     let (first, second, way) = if is_swapped { (b, a, -relative) } else { (a, b, relative) };
-    let mut search = Search::new([first, second], way, accuracy.budget);
-    let outcome = search.first_touch(motion.initial);
     work.pairs_tested += 1;
-    work.iterations += u64::from(search.iterations);
-    let touch = outcome?;
-    let normal = touch.normal.map(|normal| search.pair.direction_out(normal));
+    let (touch, method_iterations, pair);
+    let (mut linear, mut turning);
+    if turns == [DVec3::ZERO; 2] {
+        linear = Search::new([first, second], way, accuracy.budget);
+        touch = linear.first_touch(motion.initial);
+        (method_iterations, pair) = (linear.iterations, &linear.pair);
+    } else {
+        let turns = if is_swapped { [turns[1], turns[0]] } else { turns };
+        turning = turning::Search::new([first, second], way, turns, accuracy);
+        touch = turning.first_touch(motion.initial);
+        (method_iterations, pair) = (turning.iterations, &turning.course.pair);
+    }
+    work.iterations += u64::from(method_iterations);
+    let touch = touch?;
+    let normal = touch.normal.map(|normal| pair.direction_out(normal));
     let first_displacement = if is_swapped { motion.displacement_b } else { motion.displacement_a };
     Some(ImpactTouch {
         fraction: touch.fraction,
-        point: search.pair.point_out(touch.point) + first_displacement * touch.fraction,
+        point: pair.point_out(touch.point) + first_displacement * touch.fraction,
         normal_b_to_a: normal.map(|normal| if is_swapped { DVec3::ZERO - normal } else { normal }),
         initial: touch.is_initial,
         feature_b: Feature::default(),
@@ -59,9 +72,22 @@ pub(crate) fn linear_impact(
             bound: touch.bound,
             method: Method::Advancement,
             stop: touch.stop,
-            iterations: search.iterations,
+            iterations: method_iterations,
         },
     })
+}
+
+/// How a form turns as far as that shows: a ball never does.
+fn turn_of(placed: PlacedConvex<'_>, rotation: DVec3) -> DVec3 {
+    if matches!(placed.convex.core, Core::Point) { DVec3::ZERO } else { rotation }
+}
+
+/// As [`order::is_swapped`]; forms that are alike and in one place are told apart by their motions.
+fn is_swapped(a: PlacedConvex<'_>, b: PlacedConvex<'_>, motion: &Motion) -> bool {
+    let key = |way: DVec3, turn: DVec3| [way.x, way.y, way.z, turn.x, turn.y, turn.z];
+    let key_a = key(motion.displacement_a, motion.rotation_a);
+    let key_b = key(motion.displacement_b, motion.rotation_b);
+    order::is_swapped(a, b) || !order::is_swapped(b, a) && order::compare(&key_a, &key_b).is_gt()
 }
 
 /// A pair in motion: `a` stands, `b` goes by `-way` over the time from 0 to 1.
@@ -75,14 +101,15 @@ struct Search<'a> {
 }
 
 /// A touch in the pair's frame.
-struct Touch {
-    fraction: f64,
-    bound: Bound,
-    verdict: Verdict,
-    stop: Stop,
-    normal: Option<DVec3>,
-    point: DVec3,
-    is_initial: bool,
+pub(super) struct Touch {
+    pub(super) fraction: f64,
+    pub(super) bound: Bound,
+    pub(super) verdict: Verdict,
+    pub(super) stop: Stop,
+    /// Unit vector from the second form to the first.
+    pub(super) normal: Option<DVec3>,
+    pub(super) point: DVec3,
+    pub(super) is_initial: bool,
 }
 
 /// What a plane says about the time that follows.

@@ -20,6 +20,7 @@ mod gjk;
 mod impact;
 mod inscribed;
 mod manifold;
+mod motion;
 mod order;
 mod rods;
 mod separation;
@@ -27,6 +28,7 @@ mod simplex;
 mod slide;
 mod standing;
 mod touch;
+mod turning;
 mod warm;
 
 use crate::{math::Pose, shape::Convex};
@@ -34,7 +36,7 @@ use crate::{math::Pose, shape::Convex};
 pub use warm::Warm;
 
 pub(crate) use contact::{depth, penetration, penetration_warm};
-pub(crate) use impact::linear_impact;
+pub(crate) use impact::impact;
 pub(crate) use separation::{distance, distance_warm, overlap, within};
 pub(super) use standing::{feet, lowest};
 

@@ -63,6 +63,7 @@ fn pose(a: &Pose, b: &Pose) -> Ordering {
         .then_with(|| compare(&a.rotation.to_array(), &b.rotation.to_array()))
 }
 
-fn compare(a: &[f64], b: &[f64]) -> Ordering {
+/// Orders two lists of numbers as long as each other.
+pub(super) fn compare(a: &[f64], b: &[f64]) -> Ordering {
     a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }

@@ -5,7 +5,10 @@ use std::{convert::Infallible, ops::ControlFlow};
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::{Side, Surface};
+use super::{
+    Side, Surface,
+    sweep::{Mover, Passage, swept},
+};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Verdict, Work},
@@ -26,7 +29,7 @@ struct Ask<'a> {
 
 /// The first touch of `a` and `b`, one of them a mesh; `None` is a proof that the way is free. An initial touch that is
 /// ignored is so triangle by triangle.
-pub(in crate::narrow) fn linear_impact(
+pub(in crate::narrow) fn impact(
     a: Placed<'_>,
     b: Placed<'_>,
     motion: &Motion,
@@ -34,22 +37,21 @@ pub(in crate::narrow) fn linear_impact(
     work: &mut Work,
 ) -> Option<ImpactTouch> {
     let ask = Ask { motion, accuracy };
-    let relative = motion.displacement_a - motion.displacement_b;
     let mut first = First::default();
     match (Side::of(a), Side::of(b)) {
         (Side::Convex(a), Side::Convex(b)) => first.offer(ask.touch(a, b, None, work)),
         (Side::Convex(a), Side::Surface(b)) => first.search(a, &b, &ask, work),
         (Side::Surface(a), Side::Convex(b)) => {
-            let swept = a.box_of(b);
-            along(&a, swept, -relative, first.limit, work, |work, triangle| {
+            let swept = swept(&a, &Mover::convex(&a, b), &ask.of_b());
+            along(&a, swept, first.limit, work, |work, triangle| {
                 let piece = a.piece(triangle);
                 first.offer(ask.touch(a.placed(&piece), b, None, work));
                 first.limit
             });
         }
         (Side::Surface(a), Side::Surface(b)) => {
-            let swept = a.box_of_surface(&b);
-            along(&a, swept, -relative, first.limit, work, |work, triangle| {
+            let swept = swept(&a, &Mover::surface(&a, &b), &ask.of_b());
+            along(&a, swept, first.limit, work, |work, triangle| {
                 let piece = a.piece(triangle);
                 first.search(a.placed(&piece), &b, &ask, work);
                 first.limit
@@ -60,6 +62,18 @@ pub(in crate::narrow) fn linear_impact(
 }
 
 impl Ask<'_> {
+    /// How `a` moves, as seen by `b`.
+    fn of_a(&self) -> Passage {
+        let Motion { displacement_a, displacement_b, rotation_a, rotation_b, .. } = *self.motion;
+        Passage { way: displacement_a - displacement_b, turn: rotation_a, turn_of_mesh: rotation_b }
+    }
+
+    /// How `b` moves, as seen by `a`.
+    fn of_b(&self) -> Passage {
+        let Passage { way, turn, turn_of_mesh } = self.of_a();
+        Passage { way: -way, turn: turn_of_mesh, turn_of_mesh: turn }
+    }
+
     fn touch(
         &self,
         a: PlacedConvex<'_>,
@@ -67,38 +81,29 @@ impl Ask<'_> {
         face_b: Option<u32>,
         work: &mut Work,
     ) -> Option<ImpactTouch> {
-        let mut touch = convex::linear_impact(a, b, self.motion, self.accuracy, work)?;
+        let mut touch = convex::impact(a, b, self.motion, self.accuracy, work)?;
         touch.feature_b.face = face_b;
         Some(touch)
     }
 }
 
-/// Visits the triangles of a mesh that a box may meet on its way (`displacement`, world axes) at a fraction of at most
-/// `limit`; the visitor returns the new limit.
+/// Visits the triangles of a mesh that a path may meet at a fraction of at most `limit`; the visitor returns the new limit.
 fn along(
     surface: &Surface<'_>,
-    mover: Aabb,
-    displacement: DVec3,
+    path: Path,
     limit: f64,
     work: &mut Work,
     mut visit: impl FnMut(&mut Work, usize) -> f64,
 ) {
-    let direction = surface.displacement_in(displacement);
     let tree = surface.mesh.tree();
-    if direction == DVec3::ZERO {
+    if path.direction == DVec3::ZERO {
+        let mover = Aabb::new(path.origin - path.reach, path.origin + path.reach);
         let Ok(()) = tree.visit_box(mover, work, |work, leaf| {
             visit(work, leaf as usize);
             Ok::<_, Infallible>(ControlFlow::Continue(()))
         });
         return;
     }
-    let center = mover.center();
-    let half = (mover.max - center).max(center - mover.min);
-    let path = Path {
-        origin: center,
-        direction,
-        reach: half + crate::tolerance::RELATIVE_POSE * (half.length() + direction.length()),
-    };
     let Ok(()) = tree.visit_ray(&path, limit, work, |work, leaf, _| Ok::<f64, Infallible>(visit(work, leaf as usize)));
 }
 
@@ -117,8 +122,8 @@ impl Default for First {
 
 impl First {
     fn search(&mut self, a: PlacedConvex<'_>, b: &Surface<'_>, ask: &Ask<'_>, work: &mut Work) {
-        let relative = ask.motion.displacement_a - ask.motion.displacement_b;
-        along(b, b.box_of(a), relative, self.limit, work, |work, triangle| {
+        let swept = swept(b, &Mover::convex(b, a), &ask.of_a());
+        along(b, swept, self.limit, work, |work, triangle| {
             let piece = b.piece(triangle);
             self.offer(ask.touch(a, b.placed(&piece), b.face(triangle), work));
             self.limit

@@ -11,12 +11,13 @@
 mod distance;
 mod impact;
 mod overlap;
+mod sweep;
 
 use glam::DVec3;
 
 pub(super) use self::{
     distance::distance,
-    impact::linear_impact,
+    impact::impact,
     overlap::{overlap, penetration},
 };
 use super::{Placed, convex::PlacedConvex};

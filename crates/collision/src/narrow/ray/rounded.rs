@@ -18,7 +18,7 @@ use crate::{
     answer::{Bound, Method, Stop, Verdict, Work},
     math::Pose,
     narrow::{
-        ImpactTouch, InitialTouch, Motion,
+        ImpactTouch, Motion,
         convex::{self, PlacedConvex},
     },
     shape::{Convex, Core},
@@ -104,7 +104,7 @@ impl Caster<'_> {
         let body = Convex { core: self.body.core.clone(), radius: self.body.radius + growth };
         let point = PlacedConvex { convex: &point, pose: Pose::at(origin) };
         let body = PlacedConvex { convex: &body, pose: self.pose };
-        let motion = Motion { displacement_a: motion, displacement_b: DVec3::ZERO, initial: InitialTouch::Counts };
-        convex::linear_impact(point, body, &motion, self.accuracy, work)
+        let motion = Motion { displacement_a: motion, ..Motion::default() };
+        convex::impact(point, body, &motion, self.accuracy, work)
     }
 }

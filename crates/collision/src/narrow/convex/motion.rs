@@ -1,0 +1,247 @@
+//! Where a pair in a motion that turns is at a time, and what its speeds prove of the time between two instants.
+//!
+//! # Method
+//! The course has the axes of the world, and its origin goes with the first form: the first form turns in place, the
+//! second turns and goes in a straight line. Turns are given by one axis and one angle each, so the pose at any time is a
+//! rotation by the angle's part: no steps add up. For the kernels the pair is taken into the first form's own axes of that
+//! time, and what they find is turned back.
+//!
+//! Between two instants with proved gaps `s0` along `n0` and `s1` along `n1`, a time `h` apart, the pair is free if
+//!
+//! * `L·h < s0 + s1`, where no point comes nearer to another faster than `L`, or
+//! * `K < (√s0 + √s1)²`, where `K = h²/2` times a bound of how fast the gap's speed changes, along a normal that
+//!   goes from `n0` to `n1` at a constant speed.
+//!
+//! Proof of the second: let `n(t)` turn from `n0` to `n1` by the angle `φ` in their plane, with the speed `Ω = φ/h`, and let
+//! `f = n·z` be the gap along it of one pair of points, where `z` is their difference. Then
+//! `f″ = n″·z + 2n′·z′ + n·z″ = −Ω²f + 2n′·z′ + n·z″`, with `|n′·z′| ≤ Ω·(|v·m| + Σ|ω|ρ)` (`m` the direction of `n′`, `v` the
+//! relative velocity, `ρ` the reach from the axis) and `|n·z″| ≤ Σω²ρ`. Let `M` be the sum without the first term. If `f`
+//! went below 0, its least value `−μ` at the part `u` of the way would be at least
+//! `(1−u)s0 + us1 − (M + Ω²μ)·u(1−u)h²/2`; for `φ < √8` this says that the chord lies below the parabola of `M` at `u`, which
+//! is impossible for `M·h²/2 < (√s0 + √s1)²`. It holds for every pair of points, hence for the least of them: the gap
+//! along `n(t)`. Radii around the cores do not turn and are taken off `s0` and `s1` beforehand.
+//!
+//! # Source
+//! Mirtich, "Impulse-based dynamic simulation" (1996), section 2.3, and Zhang, Redon, Lee, Kim, "Continuous collision
+//! detection for articulated models using Taylor models and temporal culling" (2007): bounds of the first order, which
+//! converge linearly. The bound of the second order with a normal that turns is our own; it makes the advancement
+//! converge as Newton's method does.
+
+use glam::{DMat3, DVec3};
+
+use super::{PlacedConvex, frame::Pair, gjk};
+use crate::{
+    math::{Pose, try_unit},
+    shape::{Convex, Core},
+    tolerance::{ANGLE_ROUNDING, BEND_WIDENING, LENGTH_WIDENING, MOTION_ROUNDING, PAIR_ROUNDING, ROUNDING},
+};
+
+/// How one form turns.
+struct Turn {
+    /// Unit vector.
+    axis: DVec3,
+    /// Radians over the whole motion.
+    angle: f64,
+    start: DMat3,
+    /// The farthest point of the core from the axis, in the frame, rounded up.
+    reach: f64,
+}
+
+/// A pair in motion: the first form turns where it is, the second turns and goes by `−way`, over the time from 0 to 1.
+pub(super) struct Course<'a> {
+    /// Where the pair is now.
+    pub(super) pair: Pair<'a>,
+    a: Turn,
+    b: Turn,
+    start: DVec3,
+    way: DVec3,
+    /// The first form's axes now, and where the second is.
+    axes: DMat3,
+    place: DVec3,
+    /// What the turning adds to the speed of the fastest points.
+    spin: f64,
+    /// What the turning adds to the change of speed.
+    bend: f64,
+    /// Reach of both forms about their local origins, radii included, rounded up.
+    balls: f64,
+    /// What a gap may be off by, beyond what the kernels count.
+    pub(super) rounding: f64,
+}
+
+/// A time at which the gap is known.
+#[derive(Clone, Copy)]
+pub(super) struct Instant {
+    pub(super) time: f64,
+    /// The gap that is proved, radii and rounding taken off; not above 0 where none is.
+    pub(super) free: f64,
+    /// Unit vector from `b` to `a` along which it is; 0 where none is.
+    pub(super) normal: DVec3,
+}
+
+impl Turn {
+    fn new(core: &Core, pose: &Pose, rotation: DVec3, scale: f64) -> Self {
+        let axis = try_unit(rotation).unwrap_or(DVec3::Y);
+        let start = pose.matrix();
+        let reach = reach_from(core, start.transpose() * axis) * scale;
+        let angle = if reach > 0.0 { length(rotation) } else { 0.0 };
+        Self { axis, angle, start, reach: reach * LENGTH_WIDENING }
+    }
+
+    fn at(&self, time: f64) -> DMat3 {
+        if self.angle == 0.0 {
+            return self.start;
+        }
+        DMat3::from_axis_angle(self.axis, self.angle * time) * self.start
+    }
+
+    fn speed(&self) -> f64 {
+        self.angle * self.reach
+    }
+
+    fn velocity(&self, arm: DVec3) -> DVec3 {
+        self.axis.cross(arm) * self.angle
+    }
+}
+
+impl<'a> Course<'a> {
+    /// The course of a pair; `way` is how far `a` goes relative to `b`, metres.
+    pub(super) fn new(a: PlacedConvex<'a>, b: PlacedConvex<'a>, way: DVec3, [turn_a, turn_b]: [DVec3; 2]) -> Self {
+        // The first form without its rotation makes the axes those of the world.
+        let upright = PlacedConvex { convex: a.convex, pose: Pose::at(a.pose.position) };
+        let pair = Pair::new(upright, b, length(way));
+        let scale = pair.length_in(1.0);
+        let turn_a = Turn::new(&a.convex.core, &a.pose, turn_a, scale);
+        let turn_b = Turn::new(&b.convex.core, &b.pose, turn_b, scale);
+        let spin = turn_a.speed() + turn_b.speed();
+        Self {
+            start: pair.b.position,
+            axes: turn_a.start,
+            place: pair.b.position,
+            way: pair.displacement_in(way),
+            spin: spin * BEND_WIDENING,
+            bend: (turn_a.angle * turn_a.speed() + turn_b.angle * turn_b.speed()) * BEND_WIDENING,
+            balls: (reach(a.convex) + reach(b.convex)) * scale * LENGTH_WIDENING,
+            rounding: MOTION_ROUNDING + ANGLE_ROUNDING * spin,
+            pair,
+            a: turn_a,
+            b: turn_b,
+        }
+    }
+
+    /// Puts the pair where it is at a time.
+    pub(super) fn go_to(&mut self, time: f64) {
+        self.axes = self.a.at(time);
+        self.place = self.start - self.way * time;
+        let to_first = self.axes.transpose();
+        self.pair.b.rotation = to_first * self.b.at(time);
+        self.pair.b.position = to_first * self.place;
+    }
+
+    /// A vector of the pair, where it is now, in the axes of the course.
+    pub(super) fn out(&self, vector: DVec3) -> DVec3 {
+        self.axes * vector
+    }
+
+    /// No two points of the forms come nearer to each other by more than this, in the time 1.
+    pub(super) fn speed(&self) -> f64 {
+        self.way.length() * BEND_WIDENING + self.spin
+    }
+
+    /// How fast the speed along a fixed direction changes at most.
+    pub(super) fn bend(&self) -> f64 {
+        self.bend
+    }
+
+    /// The faster of the two turns, radians.
+    pub(super) fn fastest_turn(&self) -> f64 {
+        self.a.angle.max(self.b.angle)
+    }
+
+    /// How fast the gap between two points of the cores grows along a direction, where the pair is now; all in the axes of
+    /// the course.
+    pub(super) fn growth(&self, direction: DVec3, on_a: DVec3, on_b: DVec3) -> f64 {
+        let turning = self.a.velocity(on_a) - self.b.velocity(on_b - self.place);
+        direction.dot(turning + self.way)
+    }
+
+    /// The gap along a direction where the pair is now, at `time`: one support pair.
+    pub(super) fn along(&self, direction: DVec3, time: f64) -> Instant {
+        let local = self.axes.transpose() * direction;
+        let plane = local.dot(gjk::support(&self.pair, local).point) - PAIR_ROUNDING;
+        Instant { time, free: plane - self.pair.radius() - self.rounding, normal: direction }
+    }
+
+    /// Whether the pair is proved free between two instants. NaN counts as no.
+    pub(super) fn is_free_between(&self, from: &Instant, to: &Instant) -> bool {
+        if !(from.free > 0.0 && to.free > 0.0) {
+            return false;
+        }
+        let time = to.time - from.time;
+        if self.speed() * time < from.free + to.free {
+            return true;
+        }
+        let turned = to.normal - from.normal;
+        let chord_sq = turned.length_squared();
+        // Of a quarter turn, whose chord is √2, the angle is not above the first term of its series by more than this.
+        if chord_sq > 2.0 {
+            return false;
+        }
+        let angle = chord_sq.sqrt() * (1.0 + chord_sq / 16.0);
+        let ahead = self.way.dot(from.normal).abs();
+        let across = self.way.dot(turned).abs() + chord_sq * 0.5 * ahead + 8.0 * ROUNDING * self.way.length();
+        // The angle is not above 1 + angle²/4 times its sine.
+        let swing = across * (1.0 + angle * angle * 0.25) + angle * (angle * ahead + self.spin);
+        let bent = (swing + self.bend * time * 0.5) * time * BEND_WIDENING;
+        let root = from.free.sqrt() + to.free.sqrt();
+        bent < root * root
+    }
+
+    /// The time up to which two balls around the forms are free, each as wide as the reach of its form about the local
+    /// origin; `None` if they are so all the time. 0 where rounding leaves that open.
+    pub(super) fn entry_of_balls(&self) -> Option<f64> {
+        let wider = self.balls * BEND_WIDENING;
+        let (speed_sq, toward) = (self.way.length_squared(), self.start.dot(self.way));
+        let excess = self.start.length_squared() - wider * wider;
+        if !(excess > 0.0) {
+            return Some(0.0);
+        }
+        let root = toward * toward - speed_sq * excess;
+        let time = if toward > 0.0 && root > 0.0 { (excess / (toward + root.sqrt())).min(1.0) } else { 1.0 };
+        // Whatever rounding did to that, how near the centres come is seen from the way itself.
+        let nearest = if speed_sq > 0.0 { (toward / speed_sq).clamp(0.0, time) } else { 0.0 };
+        let is_free = (self.start - self.way * nearest).length() - self.balls > self.rounding;
+        match (is_free, time < 1.0) {
+            (true, true) => Some(time),
+            (true, false) => None,
+            (false, _) => Some(0.0),
+        }
+    }
+}
+
+fn reach(convex: &Convex) -> f64 {
+    convex.core.reach() + convex.radius
+}
+
+/// The length of a vector, however long or short it is.
+fn length(vector: DVec3) -> f64 {
+    let largest = vector.abs().max_element();
+    if largest > 0.0 { largest * (vector / largest).length() } else { 0.0 }
+}
+
+/// The farthest point of a core from an axis through its local origin, metres.
+fn reach_from(core: &Core, axis: DVec3) -> f64 {
+    let farthest =
+        |points: &[DVec3]| points.iter().map(|&point| axis.cross(point).length_squared()).fold(0.0, f64::max).sqrt();
+    let on_y = |half_height: f64| axis.cross(DVec3::Y * half_height).length();
+    match core {
+        Core::Point => 0.0,
+        Core::Segment { half_height } => on_y(*half_height),
+        Core::Cuboid { half_extents: h } => {
+            farthest(&[*h, DVec3::new(-h.x, h.y, h.z), DVec3::new(h.x, -h.y, h.z), DVec3::new(h.x, h.y, -h.z)])
+        }
+        Core::Hull(_) => core.reach(),
+        Core::Triangle(corners) => farthest(corners),
+        Core::Cylinder { half_height, radius } | Core::Cone { half_height, radius } => on_y(*half_height) + radius,
+        Core::Ellipsoid { radii } => radii.max_element(),
+    }
+}
