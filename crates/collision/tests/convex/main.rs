@@ -9,3 +9,4 @@ mod laws;
 mod random;
 mod simplify;
 mod support;
+mod turning;

@@ -147,6 +147,11 @@ impl<'a> Course<'a> {
         self.way.length() * BEND_WIDENING + self.spin
     }
 
+    /// The same of points on the radii around the cores, which a turn moves too though no gap feels it.
+    pub(super) fn speed_of_surface(&self) -> f64 {
+        self.speed() + self.a.angle * self.pair.a.radius + self.b.angle * self.pair.b.radius
+    }
+
     /// How fast the speed along a fixed direction changes at most.
     pub(super) fn bend(&self) -> f64 {
         self.bend

@@ -55,6 +55,9 @@ const SHARE_COVERED: f64 = 63.0 / 64.0;
 /// A touch predicted within this part of the width is tried.
 const SHARE_TRIED: f64 = 0.625;
 
+/// How much nearer overlap is sought after an attempt that failed.
+const NARROWING: f64 = 1.0 / 16.0;
+
 /// No step turns further than this, radians: nothing is foretold over more.
 const STEP_TURN_MAX: f64 = 2.0;
 
@@ -98,6 +101,8 @@ struct Progress {
     doubt: Option<Doubt>,
     /// The next step is cut to this part.
     cut: f64,
+    /// Overlap is sought within this part of the width that was asked: it may last shorter than that.
+    narrowing: f64,
 }
 
 /// What comes of a doubtful gap.
@@ -120,7 +125,7 @@ impl<'a> Search<'a> {
     pub(super) fn new(placed: [PlacedConvex<'a>; 2], way: DVec3, turns: [DVec3; 2], accuracy: &Accuracy) -> Self {
         let [a, b] = placed;
         let course = Course::new(a, b, way, turns);
-        let speed = course.speed();
+        let speed = course.speed_of_surface();
         let of_motion = if speed > 0.0 { (course.pair.length_in(accuracy.max_error) / speed).min(1.0) } else { 1.0 };
         let width = [of_motion, accuracy.max_error_relative];
         Self { placed, course, width, budget: accuracy.budget, iterations: 0 }
@@ -159,7 +164,7 @@ impl<'a> Search<'a> {
     }
 
     fn advance(&mut self, start: Look) -> Option<Touch> {
-        let mut progress = Progress { free: start, before: None, overlap: None, doubt: None, cut: 1.0 };
+        let mut progress = Progress { free: start, before: None, overlap: None, doubt: None, cut: 1.0, narrowing: 1.0 };
         loop {
             let free = progress.free;
             if let Some(overlap) = progress.overlap
@@ -202,6 +207,9 @@ impl<'a> Search<'a> {
         if look.is_overlap {
             progress.overlap = Some(time);
         }
+        if time > free.instant.time + progress.predicted() {
+            progress.narrowing *= NARROWING;
+        }
         progress.cut = if progress.cut == 1.0 { 1.0 - 2.0 * CAUTION } else { progress.cut * 0.5 };
     }
 
@@ -224,7 +232,7 @@ impl<'a> Search<'a> {
         }
         let sure = proved / self.course.speed();
         let touch = progress.predicted();
-        let width = self.width_at((time + touch).min(1.0));
+        let width = self.width_at((time + touch).min(1.0)) * progress.narrowing;
         let step = if touch <= SHARE_TRIED * width && progress.cut == 1.0 {
             SHARE_COVERED * width
         } else if touch < f64::INFINITY {
