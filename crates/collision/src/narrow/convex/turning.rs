@@ -29,6 +29,7 @@ use super::{
     impact::Touch,
     motion::{Course, Instant},
     separation,
+    warm::Seed,
 };
 use crate::{
     accuracy::Accuracy,
@@ -68,6 +69,7 @@ pub(super) struct Search<'a> {
     /// Width asked: as a part of the motion, and as a part of the time itself.
     width: [f64; 2],
     budget: u32,
+    seed: Option<Seed>,
     pub(super) iterations: u32,
 }
 
@@ -128,7 +130,7 @@ impl<'a> Search<'a> {
         let speed = course.speed_of_surface();
         let of_motion = if speed > 0.0 { (course.pair.length_in(accuracy.max_error) / speed).min(1.0) } else { 1.0 };
         let width = [of_motion, accuracy.max_error_relative];
-        Self { placed, course, width, budget: accuracy.budget, iterations: 0 }
+        Self { placed, course, width, budget: accuracy.budget, seed: None, iterations: 0 }
     }
 
     /// The first touch; `None` is a proof that the way is free, or that it is so after a touch at the start that is
@@ -315,7 +317,8 @@ impl<'a> Search<'a> {
             if self.remaining() == 0 {
                 return Start::Spent(time);
             }
-            let depth = depth::touch(&self.course.pair, self.remaining(), f64::INFINITY);
+            let ask = depth::Ask { budget: self.remaining(), max_gap: f64::INFINITY, widest: 0.0, relative: COARSE };
+            let depth = depth::touch(&self.course.pair, &ask, &mut self.seed);
             self.spend(depth.as_ref().map_or(1, |depth| depth.iterations));
             let proved = depth.map_or(0.0, |depth| depth.lower - self.course.rounding);
             least = if proved > blur { blur } else { 2.0 * least };
@@ -335,7 +338,8 @@ impl<'a> Search<'a> {
     fn look(&mut self, time: f64) -> Look {
         self.course.go_to(time);
         let (radius, rounding) = (self.course.pair.radius(), self.course.rounding);
-        let gap = gjk::gap(&self.course.pair, self.remaining().max(1), |lower, upper| {
+        let budget = self.remaining().max(1);
+        let gap = gjk::gap_warm(&self.course.pair, &mut self.seed, budget, |lower, upper| {
             upper + rounding <= radius || upper - lower <= COARSE * (lower - radius)
         });
         self.spend(gap.iterations);
@@ -356,14 +360,15 @@ impl<'a> Search<'a> {
     fn seen(&self, time: f64, gap: &Gap) -> Look {
         let Course { pair, rounding, .. } = &self.course;
         let radius = pair.radius();
-        let (on_a, on_b) = gap.witnesses;
+        let (on_a, on_b) = gap.witnesses();
+        let (on_a, on_b, normal) = (self.course.out(on_a), self.course.out(on_b), self.course.out(gap.normal));
         let apart = (on_a - on_b).length();
         let share = if apart > 0.0 { (pair.a.radius / apart).min(1.0) } else { 0.0 };
         let is_inside = gap.inside > PAIR_ROUNDING + rounding;
         Look {
-            instant: Instant { time, free: gap.lower - radius - rounding, normal: gap.normal },
+            instant: Instant { time, free: gap.lower - radius - rounding, normal },
             gap: gap.length - radius,
-            growth: self.course.growth(gap.normal, on_a, on_b),
+            growth: self.course.growth(normal, on_a, on_b),
             is_overlap: is_inside || gap.upper + rounding <= radius,
             point: on_a + (on_b - on_a) * share,
         }
