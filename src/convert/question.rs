@@ -180,7 +180,7 @@ pub(crate) fn distance(sent: &pb::DistanceRequest, known: &Geometries) -> Checke
 /// A time's question. The version is read for the poses of shapes that move from where they are.
 ///
 /// # Errors
-/// What is wrong with it, a shape that is not there, a motion that turns.
+/// What is wrong with it, a shape that is not there.
 pub(crate) fn time_of_impact(
     sent: &pb::TimeOfImpactRequest,
     known: &Geometries,
@@ -188,10 +188,10 @@ pub(crate) fn time_of_impact(
 ) -> Checked<TimeOfImpact> {
     let subject = subject(sent.subject.as_ref(), known)?;
     let against = against(sent.against.as_ref(), known)?;
-    let displacement = displacement("end", &subject, sent.end.as_ref(), world, "subject.id")?;
-    let against_displacement = match (&against, &sent.against_end) {
-        (_, None) => DVec3::ZERO,
-        (Some(against), end) => self::displacement("against_end", against, end.as_ref(), world, "against.id")?,
+    let (displacement, rotation) = motion("end", &subject, sent.end.as_ref(), world, "subject.id")?;
+    let (against_displacement, against_rotation) = match (&against, &sent.against_end) {
+        (_, None) => (DVec3::ZERO, DVec3::ZERO),
+        (Some(against), end) => motion("against_end", against, end.as_ref(), world, "against.id")?,
         (None, Some(_)) => {
             let what = "goes with against only: leave it out, or say what moves there";
             return Err(Problem::at("against_end", Reason::OutOfLimits, what));
@@ -200,21 +200,23 @@ pub(crate) fn time_of_impact(
     Ok(TimeOfImpact {
         subject,
         displacement,
+        rotation,
         against,
         against_displacement,
+        against_rotation,
         initial: if sent.ignore_initial { InitialTouch::IsIgnored } else { InitialTouch::Counts },
         mode: hit_mode(sent.mode, sent.max_hits)?,
     })
 }
 
-/// How a subject gets from its pose to its end.
-fn displacement(
+/// How a subject gets from its pose to its end: how far it goes, and how it turns along the shorter arc.
+fn motion(
     field: &'static str,
     subject: &Subject,
     end: Option<&pb::Pose>,
     world: &Snapshot,
     id_field: &'static str,
-) -> Checked<DVec3> {
+) -> Checked<(DVec3, DVec3)> {
     let start = match subject {
         Subject::Shape { pose: Some(pose), .. } | Subject::Geometry { pose, .. } => *pose,
         &Subject::Shape { id, pose: None } => {
@@ -223,13 +225,7 @@ fn displacement(
         }
     };
     let end = pose(end, start).under(field)?;
-    let (turned_from, turned_to) = (start.unit_rotation(), end.unit_rotation());
-    if turned_to != turned_from && turned_to != -turned_from {
-        let what = "differs from the rotation at the start: motions that turn are not served yet, a later version will; \
-                    leave it out to keep the rotation, or ask in small steps";
-        return Err(Problem::at(format!("{field}.rotation"), Reason::NotYet, what));
-    }
-    Ok(end.position - start.position)
+    Ok((end.position - start.position, start.rotation_vector_to(&end)))
 }
 
 /// What is said of a shape that is not in the version that is read.

@@ -70,6 +70,48 @@ async fn readme_time_of_impact() {
 }
 
 #[tokio::test]
+async fn a_stick_that_makes_half_a_turn_meets_a_ball_on_its_way() {
+    let mut bench = Bench::start().await;
+    let (stick, ball) = (geometry(Kind::Capsule(pb::Capsule { half_height: 3.25, radius: 0.25 })), sphere(0.25));
+    let (here, there) = (at(0.0, 0.0, 0.0), at(-3.0, -0.5, 0.0));
+    let turned = |z, w| pb::Pose { position: None, rotation: Some(pb::Quat { x: 0.0, y: 0.0, z, w }) };
+    bench.edit(vec![insert(shape(1, ball.clone(), there))]).await.unwrap();
+    // The upper half comes down on the ball after a quarter turn, whatever the length of the quaternion; the other way round
+    // the lower half comes up to it a little earlier than that.
+    let earlier = 1.0
+        - (1.0f64 / 6.0).atan() * std::f64::consts::FRAC_2_PI
+        - (0.5 / 9.25f64.sqrt()).asin() * std::f64::consts::FRAC_2_PI;
+    for (z, w, fraction) in [(2.0, 0.0, 0.5), (-1.0, 0.0, earlier / 2.0), (1.0, 1.0, 1.0), (-1.0, 1.0, earlier)] {
+        let request = pb::TimeOfImpactRequest {
+            subject: Some(subject(stick.clone(), here)),
+            end: Some(turned(z, w)),
+            ..pb::TimeOfImpactRequest::default()
+        };
+        let answer = bench.questions.time_of_impact(request).await.unwrap().into_inner();
+        if fraction < 1.0 {
+            assert_eq!(answer.verdict(), pb::Verdict::Hit);
+        }
+        let near = answer.hits.iter().find(|hit| hit.id == 1);
+        assert_near(
+            near.and_then(|hit| hit.fraction).or(Some(1.0)),
+            fraction,
+            near.and_then(|hit| hit.certificate.as_ref()),
+        );
+    }
+    // The same seen from the ball, which the stick turns towards.
+    let request = pb::TimeOfImpactRequest {
+        subject: Some(subject(ball, there)),
+        end: Some(there),
+        against: Some(subject(stick, here)),
+        against_end: Some(turned(1.0, 0.0)),
+        ..pb::TimeOfImpactRequest::default()
+    };
+    let answer = bench.questions.time_of_impact(request).await.unwrap().into_inner();
+    assert_eq!((answer.verdict(), answer.hits[0].initial), (pb::Verdict::Hit, false));
+    assert_near(answer.hits[0].fraction, 0.5, answer.hits[0].certificate.as_ref());
+}
+
+#[tokio::test]
 async fn distance_to_the_nearest_and_to_one_geometry() {
     let mut bench = readme_world().await;
     let mut request = pb::DistanceRequest { subject: Some(pb::Subject::default()), ..pb::DistanceRequest::default() };

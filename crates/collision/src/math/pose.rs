@@ -1,6 +1,6 @@
 //! A rigid transform: rotate, then translate.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use crate::tolerance::SQUARE_MIN;
 
@@ -61,6 +61,36 @@ impl Pose {
             DVec3::new(xy - wz, 1.0 - (xx + zz), yz + wx),
             DVec3::new(xz + wy, yz - wx, 1.0 - (xx + yy)),
         )
+    }
+
+    /// The turn from this rotation to that of `end` along the shorter arc, as a rotation vector: the axis times the angle,
+    /// radians, in the axes of the world, at most half a turn. Exactly 0 between equal rotations, written with either sign.
+    /// Which way half a turn goes follows from the signs sent. The vector is right to 64 roundings of 1, which the kernels
+    /// for motions count in.
+    ///
+    /// ```
+    /// use collision::{DQuat, DVec3, math::Pose};
+    /// let turned = |z, w| Pose::new(DVec3::ZERO, DQuat::from_xyzw(0.0, 0.0, z, w));
+    /// let quarter = turned(0.0, 1.0).rotation_vector_to(&turned(-3.0, 3.0));
+    /// assert!((quarter - DVec3::Z * -std::f64::consts::FRAC_PI_2).length() < 1e-15);
+    /// assert_eq!(turned(1.0, 1.0).rotation_vector_to(&turned(-2.0, -2.0)), DVec3::ZERO);
+    /// ```
+    #[must_use]
+    pub fn rotation_vector_to(&self, end: &Self) -> DVec3 {
+        let (from, to) = (self.unit_rotation(), end.unit_rotation());
+        if from == to || from == -to {
+            return DVec3::ZERO;
+        }
+        let cosine = from.x * to.x + from.y * to.y + from.z * to.z + from.w * to.w;
+        let to = if cosine < 0.0 { -to } else { to };
+        // The vector part of `to` times the inverse of `from`: the axis times the sine of half the angle.
+        let along = to.xyz() * from.w - from.xyz() * to.w - to.xyz().cross(from.xyz());
+        let sine = along.length();
+        if sine <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let half = DVec2::new(cosine.abs(), sine).to_angle();
+        along / sine * (2.0 * half)
     }
 
     /// Takes a local point into the world.

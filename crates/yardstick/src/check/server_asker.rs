@@ -88,9 +88,9 @@ impl ServerAsker {
             })),
             Question::Impact { a, motion_a, b, motion_b } => Ok(Asked::TimeOfImpact(proto::TimeOfImpactRequest {
                 subject: Some(self.subject(a)?),
-                end: Some(end_of(a, motion_a)),
+                end: Some(end_of(a, motion_a)?),
                 against: Some(self.subject(b)?),
-                against_end: Some(end_of(b, motion_b)),
+                against_end: Some(end_of(b, motion_b)?),
                 ..proto::TimeOfImpactRequest::default()
             })),
             Question::Raycast { origin, direction, max_distance, .. } => Ok(Asked::Raycast(proto::RaycastRequest {
@@ -230,12 +230,18 @@ pub(super) fn wire_geometry(form: &Form) -> proto::Geometry {
     }
 }
 
-/// Where a motion ends. A turn of more than half a turn cannot be said so: the API takes the shorter arc.
-fn end_of(placed: &Placed, motion: &Motion) -> proto::Pose {
+/// Where a motion ends.
+///
+/// # Errors
+/// It turns by more than half a turn, which cannot be said so: the API takes the shorter arc.
+fn end_of(placed: &Placed, motion: &Motion) -> Result<proto::Pose, String> {
     let Pose { position, rotation } = placed.pose;
     let vector = motion.rotation_vector;
+    if vector.length() > std::f64::consts::PI {
+        return Err("it turns by more than half a turn: the API asks that in pieces".to_owned());
+    }
     let turned = if motion.turns() { DQuat::from_scaled_axis(vector) * rotation } else { rotation };
-    wire_pose(position + motion.displacement, turned)
+    Ok(wire_pose(position + motion.displacement, turned))
 }
 
 pub(super) fn wire_pose(position: DVec3, rotation: DQuat) -> proto::Pose {

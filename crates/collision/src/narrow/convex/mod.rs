@@ -22,6 +22,7 @@ mod inscribed;
 mod manifold;
 mod motion;
 mod order;
+mod progress;
 mod rods;
 mod separation;
 mod simplex;

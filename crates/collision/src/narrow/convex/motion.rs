@@ -157,6 +157,11 @@ impl<'a> Course<'a> {
         self.bend
     }
 
+    /// What a measured gap may be off by, all in all.
+    pub(super) fn doubt(&self) -> f64 {
+        PAIR_ROUNDING + self.rounding
+    }
+
     /// The faster of the two turns, radians.
     pub(super) fn fastest_turn(&self) -> f64 {
         self.a.angle.max(self.b.angle)

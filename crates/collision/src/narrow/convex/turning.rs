@@ -28,6 +28,7 @@ use super::{
     gjk::{self, Gap},
     impact::Touch,
     motion::{Course, Instant},
+    progress::{Doubt, Look, Progress, Width, touch_at},
     separation,
     warm::Seed,
 };
@@ -35,76 +36,21 @@ use crate::{
     accuracy::Accuracy,
     answer::{Bound, Stop, Verdict},
     narrow::InitialTouch,
-    tolerance::PAIR_ROUNDING,
+    tolerance::{PAIR_ROUNDING, ROUNDING},
 };
 
 /// A gap is measured to this part of itself: enough to predict by. It gets as exact as the arithmetic by itself as the gap
 /// closes.
 const COARSE: f64 = 1.0 / 64.0;
 
-/// The part of the predicted way that a first step, which knows no curvature, leaves over. Less, and it oversteps more
-/// often; more, and more is left to the steps that follow.
-const CAUTION: f64 = 1.0 / 16.0;
-
-/// Where in the width that was asked the last free instant is aimed at, before the predicted touch; the proved overlap
-/// is sought at the end of it.
-const SHARE_BEFORE: f64 = 0.375;
-
-/// And how much of that width such an attempt covers.
-const SHARE_COVERED: f64 = 63.0 / 64.0;
-
-/// A touch predicted within this part of the width is tried.
-const SHARE_TRIED: f64 = 0.625;
-
-/// How much nearer overlap is sought after an attempt that failed.
-const NARROWING: f64 = 1.0 / 16.0;
-
-/// No step turns further than this, radians: nothing is foretold over more.
-const STEP_TURN_MAX: f64 = 2.0;
-
 /// A pair on its course and what is known of it.
 pub(super) struct Search<'a> {
     placed: [PlacedConvex<'a>; 2],
     pub(super) course: Course<'a>,
-    /// Width asked: as a part of the motion, and as a part of the time itself.
-    width: [f64; 2],
+    width: Width,
     budget: u32,
     seed: Option<Seed>,
     pub(super) iterations: u32,
-}
-
-/// What is known of the gap at an instant.
-#[derive(Clone, Copy)]
-struct Look {
-    instant: Instant,
-    /// The best value.
-    gap: f64,
-    /// How fast the gap grows.
-    growth: f64,
-    /// Overlap is proved.
-    is_overlap: bool,
-    point: DVec3,
-}
-
-/// A time in which a touch is neither proved nor excluded.
-#[derive(Clone, Copy)]
-struct Doubt {
-    from: Look,
-    until: f64,
-}
-
-/// The state of an advancement.
-struct Progress {
-    /// Free until here, but for the doubt.
-    free: Look,
-    before: Option<Look>,
-    /// Proved overlap.
-    overlap: Option<f64>,
-    doubt: Option<Doubt>,
-    /// The next step is cut to this part.
-    cut: f64,
-    /// Overlap is sought within this part of the width that was asked: it may last shorter than that.
-    narrowing: f64,
 }
 
 /// What comes of a doubtful gap.
@@ -129,7 +75,7 @@ impl<'a> Search<'a> {
         let course = Course::new(a, b, way, turns);
         let speed = course.speed_of_surface();
         let of_motion = if speed > 0.0 { (course.pair.length_in(accuracy.max_error) / speed).min(1.0) } else { 1.0 };
-        let width = [of_motion, accuracy.max_error_relative];
+        let width = Width { of_motion, of_time: accuracy.max_error_relative };
         Self { placed, course, width, budget: accuracy.budget, seed: None, iterations: 0 }
     }
 
@@ -154,7 +100,7 @@ impl<'a> Search<'a> {
                     }
                 }
                 is_initial = false;
-            } else if rest.verdict == Verdict::Hit {
+            } else if rest.verdict == Verdict::Hit || start.is_overlap {
                 let bound = Bound::new(0.0, 0.0);
                 let touch = touch_at(&start, 0.0, bound, Verdict::Hit, Stop::Tolerance);
                 return Some(Touch { normal: None, is_initial: true, ..touch });
@@ -166,11 +112,11 @@ impl<'a> Search<'a> {
     }
 
     fn advance(&mut self, start: Look) -> Option<Touch> {
-        let mut progress = Progress { free: start, before: None, overlap: None, doubt: None, cut: 1.0, narrowing: 1.0 };
+        let mut progress = Progress::from(start);
         loop {
             let free = progress.free;
             if let Some(overlap) = progress.overlap
-                && overlap - free.instant.time <= self.width_at(free.instant.time)
+                && overlap - free.instant.time <= self.width.at(free.instant.time)
             {
                 return Some(progress.hit(overlap, Stop::Tolerance));
             }
@@ -186,7 +132,7 @@ impl<'a> Search<'a> {
             if free.instant.time + progress.predicted() > 1.0 && self.is_free_to_end(&free) {
                 return progress.doubt.map(|doubt| doubt.open());
             }
-            match self.next_time(&progress) {
+            match progress.next_time(&self.course, &self.width) {
                 Some(time) => self.step(&mut progress, time),
                 None => match self.resolve(&progress) {
                     Resolved::Touch(overlap) => return Some(progress.hit(overlap, Stop::Converged)),
@@ -209,10 +155,7 @@ impl<'a> Search<'a> {
         if look.is_overlap {
             progress.overlap = Some(time);
         }
-        if time > free.instant.time + progress.predicted() {
-            progress.narrowing *= NARROWING;
-        }
-        progress.cut = if progress.cut == 1.0 { 1.0 - 2.0 * CAUTION } else { progress.cut * 0.5 };
+        progress.shorten(time);
     }
 
     /// Goes on behind a doubtful time, if that it was.
@@ -222,49 +165,6 @@ impl<'a> Search<'a> {
             progress.doubt = Some(Doubt { from, until: look.instant.time });
         }
         (progress.before, progress.free, progress.cut) = (None, look, 1.0);
-    }
-
-    /// Where to look next; `None` if the gap is within rounding, so that no step is to be had.
-    fn next_time(&self, progress: &Progress) -> Option<f64> {
-        let free = &progress.free;
-        let (time, proved) = (free.instant.time, free.instant.free);
-        let least = 4.0 * self.rounding();
-        if !(proved > least) {
-            return None;
-        }
-        let sure = proved / self.course.speed();
-        let touch = progress.predicted();
-        let width = self.width_at((time + touch).min(1.0)) * progress.narrowing;
-        let step = if touch <= SHARE_TRIED * width && progress.cut == 1.0 {
-            SHARE_COVERED * width
-        } else if touch < f64::INFINITY {
-            let caution = progress.before.map_or(CAUTION, |before| CAUTION.min((free.gap / before.gap).powi(2)));
-            let kept = (caution * touch).max(SHARE_BEFORE * width).max(-least / free.growth);
-            (touch - kept).max(0.875 * sure).min(self.provable(free, sure))
-        } else {
-            self.provable(free, sure)
-        };
-        let whole = progress.overlap.map_or(1.0 - time, |overlap| (overlap - time) * (1.0 - CAUTION));
-        let step = step.min(whole) * progress.cut;
-        // Steps that are cut below what the gap surely allows get nowhere: the gap is as good as closed.
-        let next = if step >= 1.0 - time { 1.0 } else { time + step };
-        (next > time && (progress.cut == 1.0 || step > 0.125 * sure)).then_some(next)
-    }
-
-    /// About how far the proof between two instants may reach, if the gap goes on as it does.
-    fn provable(&self, free: &Look, sure: f64) -> f64 {
-        let bend = self.course.bend();
-        let left = 1.0 - free.instant.time;
-        let proved = free.instant.free;
-        let mut reach = left;
-        if bend > 0.0 {
-            for _ in 0..2 {
-                let there = (proved + free.growth * reach).max(0.0);
-                reach = left.min(0.75 * (2.0 / bend).sqrt() * (proved.sqrt() + there.sqrt()));
-            }
-            reach = reach.min(STEP_TURN_MAX / self.course.fastest_turn());
-        }
-        reach.max(sure)
     }
 
     /// Whether the normal of an instant proves the rest of the way free, by one support pair.
@@ -279,11 +179,11 @@ impl<'a> Search<'a> {
     fn resolve(&mut self, progress: &Progress) -> Resolved {
         let free = &progress.free;
         let time = free.instant.time;
-        let blur = 8.0 * self.rounding();
+        let blur = 8.0 * self.course.doubt();
         let closing = -free.growth;
         let straight = if closing > 0.0 { (free.gap.max(0.0) + blur) / closing } else { f64::INFINITY };
         let bent = (2.0 * blur / self.course.bend()).sqrt();
-        let mut ahead = straight.min(bent).min(1.0).max(4.0 * f64::EPSILON * time).max(PAIR_ROUNDING * PAIR_ROUNDING);
+        let mut ahead = straight.min(bent).min(1.0).max(8.0 * ROUNDING * time);
         let end = progress.overlap.unwrap_or(1.0);
         loop {
             let next = (time + ahead).min(end);
@@ -311,7 +211,7 @@ impl<'a> Search<'a> {
     /// as the fastest points need for it; only where none is proved are steps chosen freely.
     fn clear_of_start(&mut self) -> Start {
         let speed = self.course.speed();
-        let blur = 8.0 * self.rounding();
+        let blur = 8.0 * self.course.doubt();
         let (mut time, mut least) = (0.0, blur);
         while speed > 0.0 {
             if self.remaining() == 0 {
@@ -374,74 +274,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn rounding(&self) -> f64 {
-        PAIR_ROUNDING + self.course.rounding
-    }
-
-    /// The widest interval to accept for a touch at a time.
-    fn width_at(&self, time: f64) -> f64 {
-        let [of_motion, of_time] = self.width;
-        of_motion.max(of_time * time)
-    }
-
     fn remaining(&self) -> u32 {
         self.budget.saturating_sub(self.iterations)
     }
 
     fn spend(&mut self, iterations: u32) {
         self.iterations = self.iterations.saturating_add(iterations);
-    }
-}
-
-impl Progress {
-    /// How long until the touch, as far as can be foretold; infinite if none can.
-    fn predicted(&self) -> f64 {
-        let free = &self.free;
-        let bend =
-            self.before.map_or(0.0, |before| (free.growth - before.growth) / (free.instant.time - before.instant.time));
-        let gap = free.gap.max(0.0);
-        let inner = free.growth * free.growth - 2.0 * bend * gap;
-        if inner < 0.0 {
-            return f64::INFINITY;
-        }
-        let closing = inner.sqrt() - free.growth;
-        if closing > 0.0 { 2.0 * gap / closing } else { f64::INFINITY }
-    }
-
-    fn hit(&self, overlap: f64, stop: Stop) -> Touch {
-        let lower = self.doubt.map_or(self.free.instant.time, |doubt| doubt.from.instant.time);
-        let time = self.free.instant.time;
-        let touch = time + self.predicted();
-        let fraction = if touch <= overlap { touch } else { 0.5 * (time + overlap) };
-        touch_at(&self.free, fraction, Bound::new(lower, overlap), Verdict::Hit, stop)
-    }
-
-    /// The doubt, from its first instant or from here, until a time.
-    fn doubted(&self, until: f64) -> Doubt {
-        Doubt { from: self.doubt.map_or(self.free, |doubt| doubt.from), until }
-    }
-
-    fn spent(&self) -> Touch {
-        Touch { stop: Stop::Budget, ..self.doubted(1.0).open() }
-    }
-}
-
-impl Doubt {
-    fn open(&self) -> Touch {
-        let lower = self.from.instant.time;
-        touch_at(&self.from, lower, Bound::new(lower, self.until), Verdict::Undecided, Stop::Converged)
-    }
-}
-
-fn touch_at(look: &Look, fraction: f64, bound: Bound, verdict: Verdict, stop: Stop) -> Touch {
-    let normal = (look.instant.normal != DVec3::ZERO).then_some(look.instant.normal);
-    Touch {
-        fraction: fraction.clamp(bound.lower, bound.upper),
-        bound,
-        verdict,
-        stop,
-        normal,
-        point: look.point,
-        is_initial: false,
     }
 }
