@@ -212,7 +212,7 @@ impl<'a> Course<'a> {
         let wider = self.balls * BEND_WIDENING;
         let (speed_sq, toward) = (self.way.length_squared(), self.start.dot(self.way));
         let excess = self.start.length_squared() - wider * wider;
-        if !(excess > 0.0) {
+        if excess <= 0.0 {
             return Some(0.0);
         }
         let root = toward * toward - speed_sq * excess;

@@ -101,7 +101,7 @@ impl Progress {
         let free = &self.free;
         let (time, proved) = (free.instant.time, free.instant.free);
         let least = 4.0 * course.doubt();
-        if !(proved > least) {
+        if proved <= least {
             return None;
         }
         let sure = proved / course.speed();

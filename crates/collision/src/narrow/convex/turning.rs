@@ -213,7 +213,10 @@ impl<'a> Search<'a> {
         let speed = self.course.speed();
         let blur = 8.0 * self.course.doubt();
         let (mut time, mut least) = (0.0, blur);
-        while speed > 0.0 {
+        if speed <= 0.0 {
+            return Start::NeverClear;
+        }
+        loop {
             if self.remaining() == 0 {
                 return Start::Spent(time);
             }
@@ -223,15 +226,14 @@ impl<'a> Search<'a> {
             let proved = depth.map_or(0.0, |depth| depth.lower - self.course.rounding);
             least = if proved > blur { blur } else { 2.0 * least };
             time += proved.max(least) / speed;
-            if !(time < 1.0) {
-                break;
+            if time >= 1.0 {
+                return Start::NeverClear;
             }
             let look = self.look(time);
             if look.instant.free > blur {
                 return Start::Clear(look);
             }
         }
-        Start::NeverClear
     }
 
     /// The gap at a time, as exactly as predicting takes.
