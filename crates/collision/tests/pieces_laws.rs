@@ -225,9 +225,14 @@ fn the_first_touch_of_a_mesh_is_that_of_its_first_triangle() {
         there.position = here.position + away;
         let (by_form, by_mesh) = (vector(&mut numbers) * 1.5 - away, vector(&mut numbers) * 0.5);
         let initial = if round % 3 == 0 { InitialTouch::IsIgnored } else { InitialTouch::Counts };
+        // None turns, one of them does, or both.
+        let turn = |turns: bool, vector: DVec3| if turns { vector * 3.0 } else { DVec3::ZERO };
+        let rotation_a = turn(round % 4 > 1, vector(&mut numbers));
+        let rotation_b = turn(round % 8 > 4, vector(&mut numbers));
+        let there_and_turning = Motion { rotation_a, rotation_b, ..motion(by_form, by_mesh, initial) };
         let touch_of = |geometry: &Geometry| {
             let (a, b) = (at(&form, there), at(geometry, here));
-            impact(a, b, &motion(by_form, by_mesh, initial), &EXACT, &mut work())
+            impact(a, b, &there_and_turning, &EXACT, &mut work())
         };
         let alone: Vec<Option<ImpactTouch>> = triangles.iter().map(touch_of).collect();
         let whole = touch_of(&soup);
@@ -240,7 +245,7 @@ fn the_first_touch_of_a_mesh_is_that_of_its_first_triangle() {
         assert_eq!(touch.certificate.verdict, Verdict::Hit, "round {round}: {touch:?}");
         assert_eq!(touch.fraction, earliest, "round {round}");
         assert!(is_before(&alone[touch.feature_b.face.expect("a face") as usize], &touch.certificate));
-        let back = motion(by_mesh, by_form, initial);
+        let back = Motion { rotation_a: rotation_b, rotation_b: rotation_a, ..motion(by_mesh, by_form, initial) };
         let swapped = impact(at(&soup, here), at(&form, there), &back, &EXACT, &mut work());
         let swapped = swapped.expect("as the other way round");
         assert_eq!(swapped.fraction.to_bits(), touch.fraction.to_bits(), "round {round}");

@@ -3,6 +3,7 @@
 //! Every function here takes two placed geometries (or a ray and one), answers with an interval that holds the truth
 //! for the numbers sent, and never returns NaN. Results are symmetric: swapping the arguments swaps the answer.
 
+mod advance;
 mod convex;
 mod half_space;
 mod pieces;
@@ -296,7 +297,7 @@ pub fn impact(
     work: &mut Work,
 ) -> Option<ImpactTouch> {
     if let Some(pair) = half_space::Pair::of(&a, &b) {
-        return pair.linear_impact(motion, work);
+        return pair.impact(motion, accuracy, work);
     }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::impact(a, b, motion, accuracy, work),

@@ -26,7 +26,7 @@ use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
     math::Norm,
-    narrow::{ImpactTouch, InitialTouch, Motion},
+    narrow::{ImpactTouch, InitialTouch, Motion, advance::Touch},
     shape::Core,
     tolerance::{PAIR_ROUNDING, STEP_SHORTENING},
 };
@@ -53,8 +53,8 @@ pub(crate) fn impact(
         (method_iterations, pair) = (linear.iterations, &linear.pair);
     } else {
         let turns = if is_swapped { [turns[1], turns[0]] } else { turns };
-        turning = turning::Search::new([first, second], way, turns, accuracy);
-        touch = turning.first_touch(motion.initial);
+        turning = turning::Search::new([first, second], way, turns, accuracy.budget);
+        touch = turning.first_touch(motion.initial, accuracy);
         (method_iterations, pair) = (turning.iterations, &turning.course.pair);
     }
     work.iterations += u64::from(method_iterations);
@@ -98,18 +98,6 @@ struct Search<'a> {
     way: DVec3,
     budget: u32,
     iterations: u32,
-}
-
-/// A touch in the pair's frame.
-pub(super) struct Touch {
-    pub(super) fraction: f64,
-    pub(super) bound: Bound,
-    pub(super) verdict: Verdict,
-    pub(super) stop: Stop,
-    /// Unit vector from the second form to the first.
-    pub(super) normal: Option<DVec3>,
-    pub(super) point: DVec3,
-    pub(super) is_initial: bool,
 }
 
 /// What a plane says about the time that follows.

@@ -22,7 +22,6 @@ mod inscribed;
 mod manifold;
 mod motion;
 mod order;
-mod progress;
 mod rods;
 mod separation;
 mod simplex;

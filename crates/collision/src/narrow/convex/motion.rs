@@ -31,7 +31,8 @@ use glam::{DMat3, DVec3};
 
 use super::{PlacedConvex, frame::Pair, gjk};
 use crate::{
-    math::{Pose, try_unit},
+    math::{Norm, Pose, try_unit},
+    narrow::advance::{Instant, Paces},
     shape::{Convex, Core},
     tolerance::{ANGLE_ROUNDING, BEND_WIDENING, LENGTH_WIDENING, MOTION_ROUNDING, PAIR_ROUNDING, ROUNDING},
 };
@@ -66,16 +67,6 @@ pub(super) struct Course<'a> {
     balls: f64,
     /// What a gap may be off by, beyond what the kernels count.
     pub(super) rounding: f64,
-}
-
-/// A time at which the gap is known.
-#[derive(Clone, Copy)]
-pub(super) struct Instant {
-    pub(super) time: f64,
-    /// The gap that is proved, radii and rounding taken off; not above 0 where none is.
-    pub(super) free: f64,
-    /// Unit vector from `b` to `a` along which it is; 0 where none is.
-    pub(super) normal: DVec3,
 }
 
 impl Turn {
@@ -143,8 +134,8 @@ impl<'a> Course<'a> {
     }
 
     /// No two points of the forms come nearer to each other by more than this, in the time 1.
-    pub(super) fn speed(&self) -> f64 {
-        self.way.length() * BEND_WIDENING + self.spin
+    fn speed(&self) -> f64 {
+        self.way.norm() * BEND_WIDENING + self.spin
     }
 
     /// The same of points on the radii around the cores, which a turn moves too though no gap feels it.
@@ -152,19 +143,14 @@ impl<'a> Course<'a> {
         self.speed() + self.a.angle * self.pair.a.radius + self.b.angle * self.pair.b.radius
     }
 
-    /// How fast the speed along a fixed direction changes at most.
-    pub(super) fn bend(&self) -> f64 {
-        self.bend
-    }
-
-    /// What a measured gap may be off by, all in all.
-    pub(super) fn doubt(&self) -> f64 {
-        PAIR_ROUNDING + self.rounding
-    }
-
-    /// The faster of the two turns, radians.
-    pub(super) fn fastest_turn(&self) -> f64 {
-        self.a.angle.max(self.b.angle)
+    /// What bounds the changes of the gap.
+    pub(super) fn paces(&self) -> Paces {
+        Paces {
+            speed: self.speed(),
+            bend: self.bend,
+            turn: self.a.angle.max(self.b.angle),
+            doubt: PAIR_ROUNDING + self.rounding,
+        }
     }
 
     /// How fast the gap between two points of the cores grows along a direction, where the pair is now; all in the axes of
@@ -198,7 +184,7 @@ impl<'a> Course<'a> {
         }
         let angle = chord_sq.sqrt() * (1.0 + chord_sq / 16.0);
         let ahead = self.way.dot(from.normal).abs();
-        let across = self.way.dot(turned).abs() + chord_sq * 0.5 * ahead + 8.0 * ROUNDING * self.way.length();
+        let across = self.way.dot(turned).abs() + chord_sq * 0.5 * ahead + 8.0 * ROUNDING * self.way.norm();
         // The angle is not above 1 + angle²/4 times its sine.
         let swing = across * (1.0 + angle * angle * 0.25) + angle * (angle * ahead + self.spin);
         let bent = (swing + self.bend * time * 0.5) * time * BEND_WIDENING;
@@ -219,7 +205,7 @@ impl<'a> Course<'a> {
         let time = if toward > 0.0 && root > 0.0 { (excess / (toward + root.sqrt())).min(1.0) } else { 1.0 };
         // Whatever rounding did to that, how near the centres come is seen from the way itself.
         let nearest = if speed_sq > 0.0 { (toward / speed_sq).clamp(0.0, time) } else { 0.0 };
-        let is_free = (self.start - self.way * nearest).length() - self.balls > self.rounding;
+        let is_free = (self.start - self.way * nearest).norm() - self.balls > self.rounding;
         match (is_free, time < 1.0) {
             (true, true) => Some(time),
             (true, false) => None,
@@ -235,14 +221,14 @@ fn reach(convex: &Convex) -> f64 {
 /// The length of a vector, however long or short it is.
 fn length(vector: DVec3) -> f64 {
     let largest = vector.abs().max_element();
-    if largest > 0.0 { largest * (vector / largest).length() } else { 0.0 }
+    if largest > 0.0 { largest * (vector / largest).norm() } else { 0.0 }
 }
 
 /// The farthest point of a core from an axis through its local origin, metres.
 fn reach_from(core: &Core, axis: DVec3) -> f64 {
     let farthest =
         |points: &[DVec3]| points.iter().map(|&point| axis.cross(point).length_squared()).fold(0.0, f64::max).sqrt();
-    let on_y = |half_height: f64| axis.cross(DVec3::Y * half_height).length();
+    let on_y = |half_height: f64| axis.cross(DVec3::Y * half_height).norm();
     match core {
         Core::Point => 0.0,
         Core::Segment { half_height } => on_y(*half_height),

@@ -16,17 +16,20 @@ mod exact;
 mod impact;
 mod plane;
 mod spaces;
+mod turning;
 
 use std::cmp::Ordering;
 
 use glam::DVec3;
 
+use self::turning::Ways;
 pub(super) use self::{
     exact::ExactPlane,
     plane::{Height, Plane, difference, unit},
 };
 use super::{Contact, Contacts, Depth, ImpactTouch, Motion, Placed, Separation, convex};
 use crate::{
+    accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
     math::{Pose, twofold::Twofold},
     shape::{Convex, Form, HalfSpace, Mesh},
@@ -116,8 +119,11 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// As [`super::linear_impact`].
-    pub(super) fn linear_impact(&self, motion: &Motion, work: &mut Work) -> Option<ImpactTouch> {
+    /// As [`super::impact`].
+    pub(super) fn impact(&self, motion: &Motion, accuracy: &Accuracy, work: &mut Work) -> Option<ImpactTouch> {
+        if motion.turns() {
+            return self.turning_impact(motion, accuracy, work);
+        }
         count(work);
         match self {
             Self::Above(above) => above.impact([motion.displacement_a, motion.displacement_b], motion.initial),
@@ -126,6 +132,26 @@ impl<'a> Pair<'a> {
                 Some(ImpactTouch { normal_b_to_a: touch.normal_b_to_a.map(|normal| DVec3::ZERO - normal), ..touch })
             }
             Self::Spaces(spaces) => spaces.impact(motion),
+        }
+    }
+
+    fn turning_impact(&self, motion: &Motion, accuracy: &Accuracy, work: &mut Work) -> Option<ImpactTouch> {
+        let [of_a, of_b] = [(motion.displacement_a, motion.rotation_a), (motion.displacement_b, motion.rotation_b)];
+        let ways = |of_form: (DVec3, DVec3), of_space: (DVec3, DVec3)| Ways {
+            displacements: [of_form.0, of_space.0],
+            rotations: [of_form.1, of_space.1],
+            initial: motion.initial,
+        };
+        match self {
+            Self::Above(above) => above.turning_impact(ways(of_a, of_b), accuracy, work),
+            Self::Below(above) => {
+                let touch = above.turning_impact(ways(of_b, of_a), accuracy, work)?;
+                Some(ImpactTouch { normal_b_to_a: touch.normal_b_to_a.map(|normal| DVec3::ZERO - normal), ..touch })
+            }
+            Self::Spaces(spaces) => {
+                count(work);
+                spaces.turning_impact(motion)
+            }
         }
     }
 }
@@ -155,6 +181,8 @@ pub(super) struct Above<'a> {
     origin: Height,
     /// What a point relative to that costs.
     error: f64,
+    /// Of the form about its local origin.
+    reach: f64,
 }
 
 /// The lowest point of a form.
@@ -183,7 +211,10 @@ impl<'a> Above<'a> {
             Form::Mesh(mesh) => Body::Mesh(mesh),
             Form::HalfSpace(_) => return None,
         };
-        let (pose, reach) = (placed.pose, placed.geometry.reach());
+        Some(Self::of(body, placed.geometry.reach(), placed.pose, half_space, space_pose))
+    }
+
+    fn of(body: Body<'a>, reach: f64, pose: Pose, half_space: &'a HalfSpace, space_pose: Pose) -> Self {
         let plane = Plane::new(half_space, &space_pose);
         let origin = plane.height(&difference(pose.position, space_pose.position));
         let (normal, error) = if pose.rotation.xyz() == DVec3::ZERO {
@@ -193,7 +224,7 @@ impl<'a> Above<'a> {
         } else {
             (pose.matrix().transpose() * plane.normal, TURNED_LOWEST_POINT * reach)
         };
-        Some(Self { body, pose, half_space, space_pose, plane, normal, origin, error })
+        Self { body, pose, half_space, space_pose, plane, normal, origin, error, reach }
     }
 
     fn lowest(&self) -> Low {

@@ -184,6 +184,24 @@ impl<'a> Spaces<'a> {
         })
     }
 
+    /// Of a motion in which one turns: they touch as soon as their normals are not opposite, so that only a touch at the
+    /// start is ever certain.
+    pub(super) fn turning_impact(&self, motion: &Motion) -> Option<ImpactTouch> {
+        let start = self.signed();
+        if start.verdict == Verdict::Hit {
+            return self.impact(motion);
+        }
+        let open = Signed { lower: 0.0, best: 0.0, upper: 1.0, verdict: Verdict::Undecided };
+        Some(ImpactTouch {
+            fraction: 0.0,
+            point: self.point(start),
+            normal_b_to_a: None,
+            initial: start.verdict == Verdict::Undecided,
+            feature_b: Feature::default(),
+            certificate: open.certificate(Verdict::Undecided, Stop::Converged),
+        })
+    }
+
     /// A point of `a`: where the planes are parallel, on its own; where the two overlap otherwise, a common one.
     fn point(&self, signed: Signed) -> DVec3 {
         let (n, m) = (self.plane_a.normal, self.plane_b.normal);

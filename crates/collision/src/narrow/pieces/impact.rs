@@ -108,7 +108,7 @@ fn along(
 }
 
 /// All that may be the first touch.
-struct First {
+pub(in crate::narrow) struct First {
     candidates: SmallVec<[ImpactTouch; 2]>,
     /// The first certain touch is not later than this.
     limit: f64,
@@ -130,7 +130,8 @@ impl First {
         });
     }
 
-    fn offer(&mut self, touch: Option<ImpactTouch>) {
+    /// Takes a touch, unless another is surely before it.
+    pub(in crate::narrow) fn offer(&mut self, touch: Option<ImpactTouch>) {
         let Some(touch) = touch.filter(|touch| touch.certificate.bound.lower <= self.limit) else {
             return;
         };
@@ -143,7 +144,7 @@ impl First {
     }
 
     /// The earliest certain touch, or else the earliest open one; its bound reaches down to whatever may come before it.
-    fn merged(self) -> Option<ImpactTouch> {
+    pub(in crate::narrow) fn merged(self) -> Option<ImpactTouch> {
         let is_certain = |touch: &&ImpactTouch| touch.certificate.verdict == Verdict::Hit;
         let verdict =
             if self.candidates.iter().any(|touch| is_certain(&touch)) { Verdict::Hit } else { Verdict::Undecided };

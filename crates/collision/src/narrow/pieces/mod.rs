@@ -17,7 +17,7 @@ use glam::DVec3;
 
 pub(super) use self::{
     distance::distance,
-    impact::impact,
+    impact::{First, impact},
     overlap::{overlap, penetration},
 };
 use super::{Placed, convex::PlacedConvex};

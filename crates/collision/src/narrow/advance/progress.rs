@@ -5,12 +5,7 @@
 //! taken a little short of it, or, where the width that was asked reaches beyond it, at the end of that width. All of this
 //! decides the work only: what is free and what touches is proved elsewhere.
 
-use glam::DVec3;
-
-use super::{
-    impact::Touch,
-    motion::{Course, Instant},
-};
+use super::{Look, Paces, Touch, Width, touch_at};
 use crate::answer::{Bound, Stop, Verdict};
 
 /// The part of the predicted way that a first step, which knows no curvature, leaves over. Less, and it oversteps more
@@ -32,34 +27,6 @@ const NARROWING: f64 = 1.0 / 16.0;
 
 /// No step turns further than this, radians: nothing is foretold over more.
 const STEP_TURN_MAX: f64 = 2.0;
-
-/// Widest interval to accept.
-pub(super) struct Width {
-    /// As a part of the motion.
-    pub(super) of_motion: f64,
-    /// As a part of the time itself.
-    pub(super) of_time: f64,
-}
-
-impl Width {
-    /// For a touch at a time.
-    pub(super) fn at(&self, time: f64) -> f64 {
-        self.of_motion.max(self.of_time * time)
-    }
-}
-
-/// What is known of the gap at an instant.
-#[derive(Clone, Copy)]
-pub(super) struct Look {
-    pub(super) instant: Instant,
-    /// The best value.
-    pub(super) gap: f64,
-    /// How fast the gap grows.
-    pub(super) growth: f64,
-    /// Overlap is proved.
-    pub(super) is_overlap: bool,
-    pub(super) point: DVec3,
-}
 
 /// A time in which a touch is neither proved nor excluded.
 #[derive(Clone, Copy)]
@@ -97,14 +64,14 @@ impl Progress {
     }
 
     /// Where to look next; `None` if the gap is within rounding, so that no step is to be had.
-    pub(super) fn next_time(&self, course: &Course<'_>, width: &Width) -> Option<f64> {
+    pub(super) fn next_time(&self, paces: &Paces, width: &Width) -> Option<f64> {
         let free = &self.free;
         let (time, proved) = (free.instant.time, free.instant.free);
-        let least = 4.0 * course.doubt();
+        let least = 4.0 * paces.doubt;
         if proved <= least {
             return None;
         }
-        let sure = proved / course.speed();
+        let sure = proved / paces.speed;
         let touch = self.predicted();
         let width = width.at((time + touch).min(1.0)) * self.narrowing;
         let step = if touch <= SHARE_TRIED * width && self.cut == 1.0 {
@@ -112,9 +79,9 @@ impl Progress {
         } else if touch < f64::INFINITY {
             let caution = self.before.map_or(CAUTION, |before| CAUTION.min((free.gap / before.gap).powi(2)));
             let kept = (caution * touch).max(SHARE_BEFORE * width).max(-least / free.growth);
-            (touch - kept).max(0.875 * sure).min(self.provable(course, sure))
+            (touch - kept).max(0.875 * sure).min(self.provable(paces, sure))
         } else {
-            self.provable(course, sure)
+            self.provable(paces, sure)
         };
         let whole = self.overlap.map_or(1.0 - time, |overlap| (overlap - time) * (1.0 - CAUTION));
         let step = step.min(whole) * self.cut;
@@ -124,9 +91,9 @@ impl Progress {
     }
 
     /// About how far the proof between two instants may reach, if the gap goes on as it does.
-    fn provable(&self, course: &Course<'_>, sure: f64) -> f64 {
+    fn provable(&self, paces: &Paces, sure: f64) -> f64 {
         let free = &self.free;
-        let bend = course.bend();
+        let bend = paces.bend;
         let left = 1.0 - free.instant.time;
         let proved = free.instant.free;
         let mut reach = left;
@@ -135,7 +102,7 @@ impl Progress {
                 let there = (proved + free.growth * reach).max(0.0);
                 reach = left.min(0.75 * (2.0 / bend).sqrt() * (proved.sqrt() + there.sqrt()));
             }
-            reach = reach.min(STEP_TURN_MAX / course.fastest_turn());
+            reach = reach.min(STEP_TURN_MAX / paces.turn);
         }
         reach.max(sure)
     }
@@ -176,19 +143,5 @@ impl Doubt {
     pub(super) fn open(&self) -> Touch {
         let lower = self.from.instant.time;
         touch_at(&self.from, lower, Bound::new(lower, self.until), Verdict::Undecided, Stop::Converged)
-    }
-}
-
-/// A touch whose place and normal are those of a look.
-pub(super) fn touch_at(look: &Look, fraction: f64, bound: Bound, verdict: Verdict, stop: Stop) -> Touch {
-    let normal = (look.instant.normal != DVec3::ZERO).then_some(look.instant.normal);
-    Touch {
-        fraction: fraction.clamp(bound.lower, bound.upper),
-        bound,
-        verdict,
-        stop,
-        normal,
-        point: look.point,
-        is_initial: false,
     }
 }

@@ -1,0 +1,192 @@
+//! The first touch of a form and a half space of which at least one turns.
+//!
+//! # Method
+//! The height of the form above the plane is measured where both are at a time; [`advance`] does the rest. Let `z` be a
+//! point of the form from the half space's origin, at most `D` away, `n` the plane's normal, `ω` and `μ` the turns of the form
+//! and of the plane, `ρ` the form's reach and `v` the relative velocity. The height `n·z − offset` changes by at most
+//! `|v| + |ω|ρ + |μ|D`, and its speed by at most `|ω|²ρ + 2|μ|(|v| + |ω|ρ) + |μ|²D`. Between two times `h` apart the height lies
+//! above the parabola of that, as in `convex/motion.rs`.
+//!
+//! # Limits
+//! A start that is ignored is ignored triangle by triangle of a mesh, each of which is searched by itself. Two half spaces
+//! of which one turns touch as soon as they are not parallel: what is not proved to touch at the start stays open.
+
+use glam::{DQuat, DVec3};
+
+use super::{Above, Body, Low};
+use crate::{
+    accuracy::Accuracy,
+    answer::{Bound, Certificate, Feature, Method, Verdict, Work},
+    math::{Norm, Pose, try_unit},
+    narrow::{
+        ImpactTouch, InitialTouch,
+        advance::{self, Gaps, Instant, Look, Paces, Width},
+        pieces::First,
+    },
+    shape::{Convex, Core},
+    tolerance::{ANGLE_ROUNDING, BEND_WIDENING, MOTION_ROUNDING, PAIR_ROUNDING},
+};
+
+/// How the form and the half space move.
+#[derive(Clone, Copy)]
+pub(super) struct Ways {
+    /// How far each goes: the form, the half space.
+    pub(super) displacements: [DVec3; 2],
+    /// How each turns.
+    pub(super) rotations: [DVec3; 2],
+    pub(super) initial: InitialTouch,
+}
+
+/// A form above a plane, in motion; the half space's local origin stays where it is.
+struct Search<'a> {
+    above: &'a Above<'a>,
+    body: Body<'a>,
+    ways: Ways,
+    apart: DVec3,
+    way: DVec3,
+    paces: Paces,
+    now: Option<Look>,
+    budget: u32,
+    iterations: u32,
+}
+
+impl Above<'_> {
+    /// The first touch in a motion of which at least one side turns.
+    pub(super) fn turning_impact(&self, ways: Ways, accuracy: &Accuracy, work: &mut Work) -> Option<ImpactTouch> {
+        match self.body {
+            Body::Mesh(mesh) if ways.initial == InitialTouch::IsIgnored => {
+                let mut first = First::default();
+                for triangle in 0..mesh.triangles().len() {
+                    let piece = Convex { core: Core::Triangle(mesh.corners(triangle)), radius: 0.0 };
+                    first.offer(Search::new(self, Body::Convex(&piece), ways, accuracy).touch(accuracy, work));
+                }
+                first.merged()
+            }
+            body => Search::new(self, body, ways, accuracy).touch(accuracy, work),
+        }
+    }
+}
+
+impl<'a> Search<'a> {
+    fn new(above: &'a Above<'a>, body: Body<'a>, ways: Ways, accuracy: &Accuracy) -> Self {
+        let [to, to_space] = ways.displacements;
+        let (apart, way) = (above.pose.position - above.space_pose.position, to - to_space);
+        let (core, reach) = match body {
+            Body::Convex(convex) => (convex.core.reach(), convex.core.reach() + convex.radius),
+            Body::Mesh(_) => (above.reach, above.reach),
+        };
+        let [spin, tilt] = ways.rotations.map(Norm::norm);
+        let farthest = apart.norm().max((apart + way).norm()) + reach;
+        let extent = farthest + way.norm() + above.half_space.offset.abs();
+        let paces = Paces {
+            speed: (way.norm() + spin * core + tilt * farthest) * BEND_WIDENING,
+            bend: (spin * spin * core + 2.0 * tilt * (way.norm() + spin * core) + tilt * tilt * farthest)
+                * BEND_WIDENING,
+            turn: spin.max(tilt),
+            doubt: (PAIR_ROUNDING + MOTION_ROUNDING + ANGLE_ROUNDING * (spin + tilt)) * extent,
+        };
+        Self { above, body, ways, apart, way, paces, now: None, budget: accuracy.budget, iterations: 0 }
+    }
+
+    fn touch(&mut self, accuracy: &Accuracy, work: &mut Work) -> Option<ImpactTouch> {
+        let radius = if let Body::Convex(convex) = self.body { convex.radius } else { 0.0 };
+        let [spin, _] = self.ways.rotations.map(Norm::norm);
+        let width = Width::of(accuracy, self.paces.speed + spin * radius);
+        let initial = self.ways.initial;
+        let touch = advance::first_touch(self, 0.0, &width, initial);
+        work.pairs_tested += 1;
+        work.iterations += u64::from(self.iterations);
+        let touch = touch?;
+        let [_, to_space] = self.ways.displacements;
+        Some(ImpactTouch {
+            fraction: touch.fraction,
+            point: touch.point + self.above.space_pose.position + to_space * touch.fraction,
+            normal_b_to_a: touch.normal,
+            initial: touch.is_initial,
+            feature_b: Feature::default(),
+            certificate: Certificate {
+                verdict: touch.verdict,
+                bound: Bound::new(touch.bound.lower, touch.bound.upper),
+                method: Method::Advancement,
+                stop: touch.stop,
+                iterations: self.iterations,
+            },
+        })
+    }
+
+    /// Where both are at a time.
+    fn at(&self, time: f64) -> Above<'a> {
+        let [rotation, tilt] = self.ways.rotations;
+        let place = self.apart + self.way * time;
+        let pose = Pose::new(place, turned(rotation, time, &self.above.pose));
+        let space_pose = Pose::new(DVec3::ZERO, turned(tilt, time, &self.above.space_pose));
+        Above::of(self.body, self.above.reach, pose, self.above.half_space, space_pose)
+    }
+}
+
+impl Gaps for Search<'_> {
+    fn look(&mut self, time: f64) -> Look {
+        self.iterations = self.iterations.saturating_add(1);
+        let above = self.at(time);
+        let Low { point, radius, .. } = above.lowest();
+        let height = above.height(point, radius);
+        let error = above.error_at(height) + self.paces.doubt;
+        let normal = above.plane.normal;
+        let arm = above.pose.matrix() * point;
+        let [rotation, tilt] = self.ways.rotations;
+        let growth = normal.dot(self.way + rotation.cross(arm)) + tilt.cross(normal).dot(above.pose.position + arm);
+        let look = Look {
+            instant: Instant { time, free: height - error, normal },
+            gap: height,
+            growth,
+            is_overlap: height + error <= 0.0,
+            point: above.point_out(point, radius),
+        };
+        self.now = Some(look);
+        look
+    }
+
+    fn look_closely(&mut self, time: f64) -> Look {
+        self.look(time)
+    }
+
+    fn depth(&mut self) -> f64 {
+        self.now.map_or(0.0, |look| -look.gap - self.paces.doubt)
+    }
+
+    fn at_rest(&mut self) -> Verdict {
+        let above =
+            Above::of(self.body, self.above.reach, self.above.pose, self.above.half_space, self.above.space_pose);
+        above.signed(self.body, &above.lowest()).verdict
+    }
+
+    fn is_free_between(&self, from: &Instant, to: &Instant) -> bool {
+        if from.free <= 0.0 || to.free <= 0.0 {
+            return false;
+        }
+        let time = to.time - from.time;
+        let root = from.free.sqrt() + to.free.sqrt();
+        self.paces.speed * time < from.free + to.free || self.paces.bend * time * time * 0.5 < root * root
+    }
+
+    fn is_free_to_end(&mut self, from: &Instant) -> bool {
+        let end = self.look(1.0);
+        self.is_free_between(from, &end.instant)
+    }
+
+    fn paces(&self) -> Paces {
+        self.paces
+    }
+
+    fn remaining(&self) -> u32 {
+        self.budget.saturating_sub(self.iterations)
+    }
+}
+
+/// The rotation of a pose after part of a turn.
+fn turned(rotation: DVec3, time: f64, pose: &Pose) -> DQuat {
+    match try_unit(rotation) {
+        Some(axis) => DQuat::from_axis_angle(axis, rotation.norm() * time) * pose.unit_rotation(),
+        None => pose.rotation,
+    }
+}
