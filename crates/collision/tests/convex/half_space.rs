@@ -37,8 +37,8 @@ fn contacts(a: &Body, b: &Body, max_gap: f64) -> Vec<Contact> {
 }
 
 fn impact(a: &Body, way_a: DVec3, b: &Body, way_b: DVec3, initial: InitialTouch) -> Option<ImpactTouch> {
-    let motion = Motion { displacement_a: way_a, displacement_b: way_b, initial };
-    narrow::linear_impact(a.placed(), b.placed(), &motion, &Accuracy::default(), &mut Work::default())
+    let motion = Motion { displacement_a: way_a, displacement_b: way_b, initial, ..Motion::default() };
+    narrow::impact(a.placed(), b.placed(), &motion, &Accuracy::default(), &mut Work::default())
 }
 
 fn mesh_of_a_cube() -> Geometry {

@@ -130,7 +130,7 @@ fn round_cores_turn_as_well() {
     let mut noise = Noise(29);
     let mut hits = 0;
     for (round, (_, b, motion)) in courses(30, 600).enumerate() {
-        let mut size = || noise.between(0.2, 1.0);
+        let mut size = || noise.between(0.5, 1.3);
         let form = match round % 3 {
             0 => Geometry::cylinder(size(), size()),
             1 => Geometry::cone(size(), size()),

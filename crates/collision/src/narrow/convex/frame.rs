@@ -49,6 +49,13 @@ impl<'a> Pair<'a> {
         }
     }
 
+    /// Puts the second form elsewhere, as seen by the first.
+    pub(super) fn place_second(&mut self, rotation: DMat3, position: DVec3) {
+        self.b.rotation = rotation;
+        self.b.is_turned = rotation != DMat3::IDENTITY;
+        self.b.position = position;
+    }
+
     /// Sum of the radii around the cores.
     pub(super) fn radius(&self) -> f64 {
         self.a.radius + self.b.radius

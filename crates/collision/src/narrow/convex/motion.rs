@@ -124,8 +124,7 @@ impl<'a> Course<'a> {
         self.axes = self.a.at(time);
         self.place = self.start - self.way * time;
         let to_first = self.axes.transpose();
-        self.pair.b.rotation = to_first * self.b.at(time);
-        self.pair.b.position = to_first * self.place;
+        self.pair.place_second(to_first * self.b.at(time), to_first * self.place);
     }
 
     /// A vector of the pair, where it is now, in the axes of the course.
