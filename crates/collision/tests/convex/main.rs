@@ -6,6 +6,7 @@ mod half_space;
 mod half_space_ray;
 mod hull;
 mod laws;
+mod planks;
 mod random;
 mod simplify;
 mod support;
