@@ -59,11 +59,16 @@ mod tests {
             let shapes: Vec<_> = workload.forms.iter().map(parry::shape).collect();
             let mut ours = ours::Side::new(&geometries, &workload);
             let mut parry = parry::Side::new(&shapes, &workload);
-            for (operation, shares) in [(Operation::Overlap, 0.4..0.6), (Operation::Impact, 0.55..0.8)] {
+            let crossings = 0.55..0.8;
+            for (operation, shares, most) in [
+                (Operation::Overlap, 0.4..0.6, 0.0),
+                (Operation::Impact, crossings.clone(), 1e-9),
+                (Operation::ImpactRotating, crossings, 0.005),
+            ] {
                 let errors = Errors::between(&ours.proofs(operation), &parry.values(operation));
                 assert!(shares.contains(&errors.hit_share), "{pairing:?} {operation:?}: {}", errors.hit_share);
-                assert!(errors.max_error < 1e-9, "{pairing:?} {operation:?}: {}", errors.max_error);
-                assert!(errors.peer_wrong_count < 5, "{pairing:?} {operation:?}: {}", errors.peer_wrong_count);
+                assert!(errors.max_error <= most, "{pairing:?} {operation:?}: {}", errors.max_error);
+                assert!(errors.peer_wrong_count < 10, "{pairing:?} {operation:?}: {}", errors.peer_wrong_count);
             }
         }
     }

@@ -7,7 +7,7 @@ use collision::{
     accuracy::{Accuracy, Tier},
     answer::{Certificate, Work},
     math::Pose,
-    narrow::{self, Contacts, Depth, ImpactTouch, InitialTouch, Motion, Placed, Separation, Warm},
+    narrow::{self, Contacts, Depth, ImpactTouch, Motion, Placed, Separation, Warm},
     shape::Geometry,
 };
 
@@ -18,6 +18,9 @@ use super::{
 use crate::{rows::Operation, timing::spent};
 
 const EXACT: Accuracy = Accuracy::of(Tier::Exact);
+
+/// What turning impacts are asked for: 5 mm, which is what the peers leave open.
+const TURNING: Accuracy = Accuracy { max_error: 0.005, max_error_relative: 0.0, ..EXACT };
 
 /// The geometry of a form.
 pub(crate) fn geometry(form: &Form) -> Geometry {
@@ -47,7 +50,9 @@ type Pair<'g> = [Placed<'g>; 2];
 struct Moving<'g> {
     pair: Pair<'g>,
     motion: Motion,
+    motion_turning: Motion,
     way: f64,
+    way_turning: f64,
 }
 
 /// All pairs of a workload.
@@ -64,12 +69,14 @@ impl<'g> Side<'g> {
     pub(crate) fn new(geometries: &'g [Geometry], workload: &Workload) -> Self {
         let placed = |place: &Place| Placed { geometry: &geometries[place.form], pose: pose(place) };
         let moving = |crossing: &Crossing| {
-            let motion = Motion {
-                displacement_a: DVec3::ZERO,
-                displacement_b: vector(crossing.displacement),
-                initial: InitialTouch::Counts,
-            };
-            Moving { pair: [placed(&crossing.a), placed(&crossing.b)], motion, way: crossing.way }
+            let motion = Motion { displacement_b: vector(crossing.displacement), ..Motion::default() };
+            Moving {
+                pair: [placed(&crossing.a), placed(&crossing.b)],
+                motion,
+                motion_turning: Motion { rotation_b: vector(crossing.turn), ..motion },
+                way: crossing.way,
+                way_turning: crossing.way_turning,
+            }
         };
         Self {
             near: workload.near.iter().map(|pair| [placed(&pair[0]), placed(&pair[1])]).collect(),
@@ -94,6 +101,9 @@ impl<'g> Side<'g> {
                 near.zip(&mut self.warm).map(|(pair, warm)| of_contact(&manifold_warm(pair, warm))).collect()
             }
             Operation::Impact => crossings.map(|moving| of_impact(impact(moving), moving.way)).collect(),
+            Operation::ImpactRotating => {
+                crossings.map(|moving| of_impact(impact_rotating(moving), moving.way_turning)).collect()
+            }
         }
     }
 
@@ -117,6 +127,7 @@ impl<'g> Side<'g> {
             Operation::Manifold => spent(near, manifold),
             Operation::ManifoldWarm => spent(near.zip(&mut self.warm), |(pair, warm)| manifold_warm(pair, warm)),
             Operation::Impact => spent(crossings, impact),
+            Operation::ImpactRotating => spent(crossings, impact_rotating),
         }
     }
 }
@@ -146,7 +157,11 @@ fn manifold_warm([a, b]: &Pair<'_>, warm: &mut Warm) -> Contacts {
 }
 
 fn impact(Moving { pair: [a, b], motion, .. }: &Moving<'_>) -> Option<ImpactTouch> {
-    narrow::linear_impact(*a, *b, motion, &EXACT, &mut Work::default())
+    narrow::impact(*a, *b, motion, &EXACT, &mut Work::default())
+}
+
+fn impact_rotating(Moving { pair: [a, b], motion_turning, .. }: &Moving<'_>) -> Option<ImpactTouch> {
+    narrow::impact(*a, *b, motion_turning, &TURNING, &mut Work::default())
 }
 
 fn of_separation(separation: Option<Separation>) -> Proof {

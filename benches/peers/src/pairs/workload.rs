@@ -23,6 +23,8 @@ const NEAR: f64 = 0.2;
 /// How far beside the other shape's middle a crossing may aim, as a multiple of where the two touch there: about two
 /// thirds hit.
 const AIM: f64 = 1.6;
+/// The least and the greatest turn of a crossing, degrees.
+const TURN_DEG: [f64; 2] = [11.0, 61.0];
 /// Halvings when contact is sought: 2 m to a twentieth of a millimetre.
 const HALVINGS: u32 = 16;
 
@@ -55,8 +57,12 @@ pub(crate) struct Crossing {
     pub(crate) b: Place,
     /// How far `b` goes, metres.
     pub(crate) displacement: [f32; 3],
-    /// How far the fastest point of `b` goes metres.
+    /// How `b` turns if it does, a rotation vector in world axes, radians.
+    pub(crate) turn: [f32; 3],
+    /// How far the fastest point of `b` goes without the turn, metres.
     pub(crate) way: f64,
+    /// The same with the turn: its greatest speed is that of the way and that of the turn together.
+    pub(crate) way_turning: f64,
 }
 
 /// All pairs of a pairing.
@@ -114,7 +120,7 @@ impl Workload {
         }
         let geometries: Vec<Geometry> = forms.iter().map(ours::geometry).collect();
         let near = (0..count).map(|number| near(&geometries, dice, number.is_multiple_of(2))).collect();
-        let crossings = (0..count).map(|_| crossing(&geometries, dice)).collect();
+        let crossings = (0..count).map(|_| crossing(&forms, &geometries, dice)).collect();
         Self { forms, near, crossings }
     }
 }
@@ -147,22 +153,38 @@ fn near(geometries: &[Geometry], dice: &mut Dice, is_inside: bool) -> [Place; 2]
     }
 }
 
-fn crossing(geometries: &[Geometry], dice: &mut Dice) -> Crossing {
+fn crossing(forms: &[Form], geometries: &[Geometry], dice: &mut Dice) -> Crossing {
     loop {
         let [a, b] = draw(geometries, dice);
         let direction = dice.direction();
         let aside = direction.cross(dice.direction());
         let aim = dice.within(0.0, AIM);
+        let axis = dice.direction();
+        let angle = dice.within(TURN_DEG[0], TURN_DEG[1]).to_radians();
         let Some(aside) = aside.try_normalize() else { continue };
         let Some(contact) = contact_distance(geometries, [a, b], aside) else { continue };
         // Twice the sum of both radii is four mean radii.
         let half_way = 2.0 * (geometries[a.form].reach() + geometries[b.form].reach());
-        return Crossing {
-            a,
-            b: moved(b, aside * (aim * contact) - direction * half_way),
-            displacement: single(direction * (2.0 * half_way)),
-            way: 2.0 * half_way,
-        };
+        let displacement = single(direction * (2.0 * half_way));
+        let turn = single(axis * angle);
+        let way = ours::vector(displacement).length();
+        let spin = ours::vector(turn).length() * reach_from_axis(&forms[b.form], ours::pose(&b), axis);
+        let b = moved(b, aside * (aim * contact) - direction * half_way);
+        return Crossing { a, b, displacement, turn, way, way_turning: way + spin };
+    }
+}
+
+/// How far a form at a pose reaches from an axis (a unit vector) through its own origin.
+fn reach_from_axis(form: &Form, pose: Pose, axis: DVec3) -> f64 {
+    let axis = pose.unit_rotation().conjugate() * axis;
+    let farthest = |points: &[[f32; 3]]| {
+        points.iter().map(|&point| axis.cross(ours::vector(point)).length()).max_by(f64::total_cmp).unwrap_or(0.0)
+    };
+    match form {
+        Form::Cuboid([x, y, z]) => farthest(&[[*x, *y, *z], [-x, *y, *z], [*x, -y, *z], [*x, *y, -z]]),
+        Form::Ball(radius) => f64::from(*radius),
+        Form::Capsule { half_height, radius } => farthest(&[[0.0, *half_height, 0.0]]) + f64::from(*radius),
+        Form::Hull(points) => farthest(points),
     }
 }
 
