@@ -197,3 +197,8 @@ pub const WITNESS_ROUNDING: f64 = 16.0 * ROUNDING;
 /// some 2⁻³⁰, so on which side of it the origin lies is asked exactly. Smaller, and a sliver might be taken the wrong way
 /// round, which proves a depth that is not there; larger, and more exact signs are asked. Pinned by the coverage runner.
 pub const SLIVER_SINE: f64 = 1.0 / 1_048_576.0;
+
+/// A volume `a × b · c` of vectors shorter than 2 is off by less than this: 3 roundings for each product of two and its
+/// difference, 3 for the sum, on values of up to 8 each, make 144 roundings; 512 are taken. Larger: more exact signs are
+/// asked. Smaller: a sign might be wrong. Pinned by the coverage runner.
+pub const VOLUME_DOUBT: f64 = 512.0 * ROUNDING;

@@ -40,7 +40,7 @@ use super::{
 use crate::{
     answer::Stop,
     math::Norm,
-    tolerance::{CROSS_BLUR, FACE_HEIGHT, PAIR_ROUNDING, SLIVER_SINE},
+    tolerance::{CROSS_BLUR, FACE_HEIGHT, PAIR_ROUNDING, SLIVER_SINE, VOLUME_DOUBT},
 };
 
 /// What is known of the depth of two cores, in the pair's frame.
@@ -91,7 +91,7 @@ pub(super) fn depth(
         if width < best.width {
             best = Best { width, normal: face.normal, face: Some(face.corners.map(|c| surface.vertices[c as usize])) };
         }
-        if width - face.high <= FACE_HEIGHT || !surface.grow(nearest, vertex) {
+        if width - face.high <= FACE_HEIGHT || !surface.grow(nearest, lower > 0.0, vertex) {
             break (lower, Stop::Converged);
         }
     };
@@ -190,9 +190,11 @@ impl Surface {
         best
     }
 
-    /// Puts the surface round `vertex`: what it sees, from `first` on, goes. Says whether that was possible; if not, the
+    /// Puts the surface round `vertex`: what it sees, from `first` on, goes. If the surface `encloses` the origin, so does what
+    /// a triangle to the vertex would turn inside out: among vertices that lie closer together than heights can be told the
+    /// surface then stays one that the origin sees every part of from within. Says whether all that was possible; if not, the
     /// surface is no longer whole.
-    fn grow(&mut self, first: usize, vertex: Vertex) -> bool {
+    fn grow(&mut self, first: usize, encloses: bool, vertex: Vertex) -> bool {
         let apex = self.vertices.len() as u32;
         let point = vertex.point;
         self.vertices.push(vertex);
@@ -204,12 +206,14 @@ impl Surface {
             open.push(self.across(first as u32, edge));
         }
         while let Some((index, edge)) = open.pop() {
-            let face = &mut self.faces[index as usize];
+            let face = &self.faces[index as usize];
             if !face.is_alive {
                 continue;
             }
-            if face.normal.dot(point) - face.high > FACE_HEIGHT {
-                face.is_alive = false;
+            let [start, end] = [edge + 1, edge].map(|corner| face.corners[corner as usize % 3]);
+            let is_seen = face.normal.dot(point) - face.high > FACE_HEIGHT;
+            if is_seen || encloses && !self.looks_outwards(start, end, point) {
+                self.faces[index as usize].is_alive = false;
                 gone.push(index);
                 open.push(self.across(index, (edge + 2) % 3));
                 open.push(self.across(index, (edge + 1) % 3));
@@ -230,6 +234,13 @@ impl Surface {
         let (next, end) = (neighbors[edge as usize], corners[(edge as usize + 1) % 3]);
         let back = self.faces[next as usize].corners.iter().position(|&corner| corner == end);
         (next, back.unwrap_or(0) as u32)
+    }
+
+    /// Whether the origin surely lies on the inner side of the triangle from an edge to a point.
+    fn looks_outwards(&self, start: u32, end: u32, point: DVec3) -> bool {
+        let [a, b] = [start, end].map(|corner| self.vertices[corner as usize].point);
+        let volume = a.cross(b).dot(point);
+        if volume.abs() > VOLUME_DOUBT { volume > 0.0 } else { has_origin_inside(a, b, point) }
     }
 
     /// Triangles from each edge of the horizon to the apex; `false` if the horizon is not one closed loop.
@@ -280,14 +291,19 @@ fn plane(a: DVec3, b: DVec3, c: DVec3) -> (DVec3, f64, f64) {
     // A sliver: its own plane is known badly, but the direction to its nearest point is known well, and the sign of the volume
     // that it spans with the origin exactly.
     let toward = nearest_of_triangle(a, b, c).try_unit().map(heights);
-    let coordinate = |point: DVec3| Coord3D { x: point.x, y: point.y, z: point.z };
-    let is_inside = orient3d(coordinate(a), coordinate(b), coordinate(c), coordinate(DVec3::ZERO)) > 0.0;
+    let is_inside = has_origin_inside(a, b, c);
     match (own, toward) {
         (_, Some(toward)) if is_inside && own.is_none_or(|own| toward.1 > own.1) => toward,
         (Some((normal, low, high)), _) => (normal, if is_inside { low } else { low.min(0.0) }, high),
         (None, Some((normal, _, high))) => (normal, 0.0, high),
         (None, None) => (DVec3::X, 0.0, 0.0),
     }
+}
+
+/// Whether the origin lies on the inner side of a triangle, exactly; not if it lies in its plane.
+fn has_origin_inside(a: DVec3, b: DVec3, c: DVec3) -> bool {
+    let coordinate = |point: DVec3| Coord3D { x: point.x, y: point.y, z: point.z };
+    orient3d(coordinate(a), coordinate(b), coordinate(c), coordinate(DVec3::ZERO)) > 0.0
 }
 
 /// Four vertices of the difference with a positive volume, grown from those of a simplex; `None` if the difference has none.
