@@ -193,10 +193,11 @@ pub const POINT_DEPTH: f64 = 4.0 * PAIR_ROUNDING;
 /// less than what it leaves out. Test: `convex/simplify.rs`.
 pub const WITNESS_ROUNDING: f64 = 16.0 * ROUNDING;
 
-/// A triangle of an expanding polytope with an angle of less than this (its sine, 2⁻²⁰) is a sliver: its plane may lean by
-/// some 2⁻³⁰, so on which side of it the origin lies is asked exactly. Smaller, and a sliver might be taken the wrong way
-/// round, which proves a depth that is not there; larger, and more exact signs are asked. Pinned by the coverage runner.
-pub const SLIVER_SINE: f64 = 1.0 / 1_048_576.0;
+/// A triangle of an expanding polytope of less than half this area (2⁻¹⁸) is a sliver or a crumb: its plane may lean by
+/// 2⁻²⁶ and more, so its distance is taken along the way to its nearest point as well, and on which side of it the origin lies
+/// is asked exactly. Smaller, and a crumb's plane might pass close to the origin, so that it is expanded for nothing; larger,
+/// and more is computed for each triangle. Pinned by the coverage runner (widths of depths).
+pub const SMALL_AREA: f64 = 1.0 / 262_144.0;
 
 /// A volume `a × b · c` of vectors shorter than 2 is off by less than this: 3 roundings for each product of two and its
 /// difference, 3 for the sum, on values of up to 8 each, make 144 roundings; 512 are taken. Larger: more exact signs are

@@ -97,11 +97,11 @@ pub(super) fn touch_from(pair: &Pair<'_>, gap: &Gap, ask: &Ask) -> Option<Touch>
     if gap.lower > 0.0 {
         return Some(Touch::by_gap(gap, radius));
     }
-    let mut touch = overlapping(pair, gap, ask);
+    let mut touch = overlapping(pair, gap, ask.budget, |lower, upper| ask.is_narrow(lower, upper));
     // The depth is no less than the ball around the origin that a tetrahedron of the difference holds, or, where the cores
     // may be apart, than what the gap leaves of the radii.
     let by_gap = if gap.inside > PAIR_ROUNDING { radius + gap.inside - PAIR_ROUNDING } else { radius - gap.upper };
-    touch.lower = touch.lower.max(by_gap).max(inscribed::depth_lower(pair)).min(touch.upper);
+    touch.lower = touch.lower.max(by_gap).min(touch.upper);
     touch.best = touch.best.clamp(touch.lower, touch.upper);
     touch.iterations = touch.iterations.saturating_add(gap.iterations);
     if gap.inside <= PAIR_ROUNDING && touch.edges.is_none() {
@@ -110,14 +110,15 @@ pub(super) fn touch_from(pair: &Pair<'_>, gap: &Gap, ask: &Ask) -> Option<Touch>
     (-touch.upper <= ask.max_gap).then_some(touch)
 }
 
-/// The depth of cores that are not proved to be apart.
-fn overlapping(pair: &Pair<'_>, gap: &Gap, ask: &Ask) -> Touch {
+/// The depth of rounded cores that are not proved to be apart, until `is_enough(lower, upper)`.
+pub(super) fn overlapping(pair: &Pair<'_>, gap: &Gap, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Touch {
     let radius = pair.radius();
     if let Some(depth) = boxes::depth(pair, f64::INFINITY) {
         return Touch::by_axes(depth, radius);
     }
-    let rest = ask.budget.saturating_sub(gap.iterations).max(1);
-    let grown = epa::depth(pair, &gap.simplex, rest, |lower, upper| ask.is_narrow(lower + radius, upper + radius));
+    let rest = budget.saturating_sub(gap.iterations).max(1);
+    let floor = inscribed::depth_lower(pair) - radius;
+    let grown = epa::depth(pair, &gap.simplex, floor, rest, |lower, upper| is_enough(lower + radius, upper + radius));
     match grown {
         Some(grown) if grown.stop != Stop::Converged || grown.upper - grown.lower <= DEPTH_WIDTH => {
             Touch::by_polytope(grown, radius)

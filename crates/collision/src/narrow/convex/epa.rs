@@ -40,7 +40,7 @@ use super::{
 use crate::{
     answer::Stop,
     math::Norm,
-    tolerance::{CROSS_BLUR, FACE_HEIGHT, PAIR_ROUNDING, SLIVER_SINE, VOLUME_DOUBT},
+    tolerance::{CROSS_BLUR, FACE_HEIGHT, PAIR_ROUNDING, SMALL_AREA, VOLUME_DOUBT},
 };
 
 /// What is known of the depth of two cores, in the pair's frame.
@@ -62,10 +62,12 @@ pub(super) struct Penetration {
 }
 
 /// Measures the depth from a simplex of the difference until `is_enough(lower, upper)`, or until the arithmetic gives no
-/// more, or the budget is spent. `None` if the difference has no volume that could be grown.
+/// more, or the budget is spent. The depth is known to be no less than `floor`. `None` if the difference has no volume that
+/// could be grown.
 pub(super) fn depth(
     pair: &Pair<'_>,
     start: &Simplex,
+    floor: f64,
     budget: u32,
     is_enough: impl Fn(f64, f64) -> bool,
 ) -> Option<Penetration> {
@@ -75,11 +77,11 @@ pub(super) fn depth(
     let (lower, stop) = loop {
         let (nearest, lower) = surface.nearest();
         let upper = best.width;
-        if lower > PAIR_ROUNDING && is_enough(lower - PAIR_ROUNDING, upper + PAIR_ROUNDING) {
-            break (lower, Stop::Tolerance);
-        }
-        if upper - lower <= 2.0 * PAIR_ROUNDING {
+        if upper - lower.max(floor) <= 2.0 * PAIR_ROUNDING {
             break (lower, Stop::Converged);
+        }
+        if is_enough(proved(lower).max(floor), upper + PAIR_ROUNDING) {
+            break (lower, Stop::Tolerance);
         }
         if iterations >= budget {
             break (lower, Stop::Budget);
@@ -95,10 +97,9 @@ pub(super) fn depth(
             break (lower, Stop::Converged);
         }
     };
-    let is_proved = lower > PAIR_ROUNDING;
     Some(Penetration {
         best: best.width,
-        lower: if is_proved { lower - PAIR_ROUNDING } else { f64::NEG_INFINITY },
+        lower: proved(lower).max(floor),
         upper: best.width + PAIR_ROUNDING,
         normal: DVec3::ZERO - best.normal,
         witnesses: best.witnesses(),
@@ -106,6 +107,11 @@ pub(super) fn depth(
         iterations,
         stop,
     })
+}
+
+/// The depth that is proved by triangles no lower than `height`: none unless they surely go round the origin.
+fn proved(height: f64) -> f64 {
+    if height > PAIR_ROUNDING { height - PAIR_ROUNDING } else { f64::NEG_INFINITY }
 }
 
 /// The least width so far, and the triangle it was measured from.
@@ -278,18 +284,17 @@ fn plane(a: DVec3, b: DVec3, c: DVec3) -> (DVec3, f64, f64) {
         let [p, q, r] = [normal.dot(a), normal.dot(b), normal.dot(c)];
         (normal, p.min(q).min(r), p.max(q).max(r))
     };
-    let (u, v) = (b - a, c - a);
-    let normal = u.cross(v);
-    let is_sliver = normal.length_squared() <= SLIVER_SINE * SLIVER_SINE * u.length_squared() * v.length_squared();
+    let normal = (b - a).cross(c - a);
+    let is_small = normal.length_squared() <= SMALL_AREA * SMALL_AREA;
     let own = normal.try_unit().map(heights);
     if let Some((normal, low, high)) = own
-        && !is_sliver
+        && !is_small
         && high - low <= FACE_HEIGHT
     {
         return (normal, low, high);
     }
-    // A sliver: its own plane is known badly, but the direction to its nearest point is known well, and the sign of the volume
-    // that it spans with the origin exactly.
+    // A sliver or a crumb: its own plane is known badly, but the direction to its nearest point is known well, and the sign of
+    // the volume that it spans with the origin exactly.
     let toward = nearest_of_triangle(a, b, c).try_unit().map(heights);
     let is_inside = has_origin_inside(a, b, c);
     match (own, toward) {

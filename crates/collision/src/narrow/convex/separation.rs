@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use super::{
-    PlacedConvex, axes, boxes,
+    PlacedConvex, boxes, depth,
     frame::Pair,
     gjk::{self, Gap},
     order, touch,
@@ -138,11 +138,11 @@ pub(super) fn signed(pair: &Pair<'_>, budget: u32) -> Signed {
         }
     }
     let gap = gjk::gap(pair, budget, |lower, upper| lower > radius || upper <= radius);
-    signed_gap(pair, &gap)
+    signed_gap(pair, &gap, budget)
 }
 
-/// The signed distance from the gap of the cores, and from separating axes where the gap leaves the verdict open.
-fn signed_gap(pair: &Pair<'_>, gap: &Gap) -> Signed {
+/// The signed distance from the gap of the cores, and from the depth where the gap leaves the verdict open.
+fn signed_gap(pair: &Pair<'_>, gap: &Gap, budget: u32) -> Signed {
     let radius = pair.radius();
     let is_inside = gap.inside > PAIR_ROUNDING;
     let lower = if gap.lower > 0.0 { gap.lower - radius } else { f64::NEG_INFINITY };
@@ -152,14 +152,9 @@ fn signed_gap(pair: &Pair<'_>, gap: &Gap) -> Signed {
     if !is_open || gap.lower > 0.0 && radius > 0.0 {
         return by_gap;
     }
-    let depth = axes::depth(pair);
-    Signed::new(
-        lower.max(-depth.upper - radius),
-        upper.min(-depth.lower - radius),
-        Method::SeparatingAxes,
-        depth.stop,
-        gap.iterations.saturating_add(depth.iterations),
-    )
+    let touch = depth::overlapping(pair, gap, budget, |lower, _| lower > 0.0);
+    let (lower, upper) = (lower.max(-touch.upper), upper.min(-touch.lower));
+    Signed::new(lower, upper, touch.method, touch.stop, gap.iterations.saturating_add(touch.iterations))
 }
 
 fn distance_in_order(
@@ -178,7 +173,7 @@ fn distance_in_order(
         let width = upper.max(radius) - lower.max(radius);
         lower - radius > limit_in || width <= widest || width <= accuracy.max_error_relative * (lower - radius)
     });
-    let signed = signed_gap(&pair, &gap).or_exactly(a, b);
+    let signed = signed_gap(&pair, &gap, accuracy.budget).or_exactly(a, b);
     work.pairs_tested += 1;
     work.iterations += u64::from(signed.iterations);
     let (lower, upper) = (signed.lower.max(0.0), signed.upper.max(0.0));
