@@ -39,7 +39,7 @@ use super::{
 };
 use crate::{
     answer::Stop,
-    math::Norm,
+    math::{Norm, exact},
     tolerance::{CROSS_BLUR, FACE_HEIGHT, PAIR_ROUNDING, SMALL_AREA, VOLUME_DOUBT},
 };
 
@@ -284,17 +284,17 @@ fn plane(a: DVec3, b: DVec3, c: DVec3) -> (DVec3, f64, f64) {
         let [p, q, r] = [normal.dot(a), normal.dot(b), normal.dot(c)];
         (normal, p.min(q).min(r), p.max(q).max(r))
     };
-    let normal = (b - a).cross(c - a);
-    let is_small = normal.length_squared() <= SMALL_AREA * SMALL_AREA;
-    let own = normal.try_unit().map(heights);
-    if let Some((normal, low, high)) = own
-        && !is_small
+    let (u, v) = (b - a, c - a);
+    let normal = u.cross(v);
+    if normal.length_squared() > SMALL_AREA * SMALL_AREA
+        && let Some((normal, low, high)) = normal.try_unit().map(heights)
         && high - low <= FACE_HEIGHT
     {
         return (normal, low, high);
     }
-    // A sliver or a crumb: its own plane is known badly, but the direction to its nearest point is known well, and the sign of
-    // the volume that it spans with the origin exactly.
+    let own = exact::cross(u, v).try_unit().map(heights);
+    // A sliver or a crumb: its own plane leans, though its corners lie in it if no digit of the product is lost; the direction
+    // to its nearest point is known well, and the sign of the volume that it spans with the origin exactly.
     let toward = nearest_of_triangle(a, b, c).try_unit().map(heights);
     let is_inside = has_origin_inside(a, b, c);
     match (own, toward) {
