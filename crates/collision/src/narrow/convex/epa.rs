@@ -40,7 +40,7 @@ use super::{
 use crate::{
     answer::Stop,
     math::{Norm, exact},
-    tolerance::{CROSS_BLUR, FACE_HEIGHT, PAIR_ROUNDING, SMALL_AREA, VOLUME_DOUBT},
+    tolerance::{CROSS_BLUR, DEPTH_WIDTH, FACE_HEIGHT, PAIR_ROUNDING, SMALL_AREA, VOLUME_DOUBT},
 };
 
 /// What is known of the depth of two cores, in the pair's frame.
@@ -71,32 +71,15 @@ pub(super) fn depth(
     budget: u32,
     is_enough: impl Fn(f64, f64) -> bool,
 ) -> Option<Penetration> {
-    let mut surface = Surface::around(tetrahedron(pair, start)?);
-    let mut best = Best { width: f64::INFINITY, normal: DVec3::X, face: None };
-    let mut iterations = 0;
-    let (lower, stop) = loop {
-        let (nearest, lower) = surface.nearest();
-        let upper = best.width;
-        if upper - lower.max(floor) <= 2.0 * PAIR_ROUNDING {
-            break (lower, Stop::Converged);
+    let mut growth = Growth { pair, floor, budget, iterations: 0, lower: f64::NEG_INFINITY, best: Best::NONE };
+    let mut stop = growth.run(tetrahedron(pair, start)?, &is_enough);
+    // A surface that could not grow on was built among vertices too close together: another begins with vertices far apart.
+    for toward in [DVec3::X, growth.best.normal] {
+        if stop == Stop::Converged && growth.width() > DEPTH_WIDTH {
+            stop = growth.run(tetrahedron(pair, &Simplex::of(gjk::support(pair, toward)))?, &is_enough);
         }
-        if is_enough(proved(lower).max(floor), upper + PAIR_ROUNDING) {
-            break (lower, Stop::Tolerance);
-        }
-        if iterations >= budget {
-            break (lower, Stop::Budget);
-        }
-        iterations += 1;
-        let face = surface.faces[nearest];
-        let vertex = gjk::support(pair, -face.normal);
-        let width = face.normal.dot(vertex.point);
-        if width < best.width {
-            best = Best { width, normal: face.normal, face: Some(face.corners.map(|c| surface.vertices[c as usize])) };
-        }
-        if width - face.high <= FACE_HEIGHT || !surface.grow(nearest, lower > 0.0, vertex) {
-            break (lower, Stop::Converged);
-        }
-    };
+    }
+    let Growth { best, lower, iterations, .. } = growth;
     Some(Penetration {
         best: best.width,
         lower: proved(lower).max(floor),
@@ -107,6 +90,52 @@ pub(super) fn depth(
         iterations,
         stop,
     })
+}
+
+/// What growing surfaces have shown so far.
+struct Growth<'a> {
+    pair: &'a Pair<'a>,
+    floor: f64,
+    budget: u32,
+    iterations: u32,
+    /// The greatest height below which one of the surfaces had no triangle.
+    lower: f64,
+    best: Best,
+}
+
+impl Growth<'_> {
+    fn width(&self) -> f64 {
+        self.best.width - self.lower.max(self.floor)
+    }
+
+    /// Grows a surface from a tetrahedron of positive volume.
+    fn run(&mut self, start: [Vertex; 4], is_enough: &impl Fn(f64, f64) -> bool) -> Stop {
+        let mut surface = Surface::around(start);
+        loop {
+            let (nearest, lower) = surface.nearest();
+            self.lower = self.lower.max(lower);
+            if self.width() <= 2.0 * PAIR_ROUNDING {
+                return Stop::Converged;
+            }
+            if is_enough(proved(self.lower).max(self.floor), self.best.width + PAIR_ROUNDING) {
+                return Stop::Tolerance;
+            }
+            if self.iterations >= self.budget {
+                return Stop::Budget;
+            }
+            self.iterations += 1;
+            let face = surface.faces[nearest];
+            let vertex = gjk::support(self.pair, -face.normal);
+            let width = face.normal.dot(vertex.point);
+            if width < self.best.width {
+                let vertices = face.corners.map(|corner| surface.vertices[corner as usize]);
+                self.best = Best { width, normal: face.normal, face: Some(vertices) };
+            }
+            if width - face.high <= FACE_HEIGHT || !surface.grow(nearest, lower > 0.0, vertex) {
+                return Stop::Converged;
+            }
+        }
+    }
 }
 
 /// The depth that is proved by triangles no lower than `height`: none unless they surely go round the origin.
@@ -123,6 +152,8 @@ struct Best {
 }
 
 impl Best {
+    const NONE: Self = Self { width: f64::INFINITY, normal: DVec3::X, face: None };
+
     fn witnesses(&self) -> (DVec3, DVec3) {
         let Some(vertices) = &self.face else { return (DVec3::ZERO, DVec3::ZERO) };
         Simplex::nearest_of(vertices).map_or((DVec3::ZERO, DVec3::ZERO), |nearest| nearest.witnesses())

@@ -184,9 +184,12 @@ fn distance_in_order(
     let (on_a, on_b) = gap.witnesses();
     let apart = on_a - on_b;
     let best = if upper == 0.0 { 0.0 } else { (apart.norm() - radius).clamp(lower, upper) };
-    let normal = if gap.normal == DVec3::ZERO { apart.try_unit() } else { Some(gap.normal) };
-    let (point_on_a, point_on_b) = match normal {
-        Some(normal) if best > 0.0 => (on_a - normal * pair.a.radius, on_b + normal * pair.b.radius),
+    // Of a narrow gap the plane's normal is known best; the points are as far apart along the way between them.
+    let is_settled = gap.stop == Stop::Converged && gap.normal != DVec3::ZERO;
+    let toward_a = apart.try_unit();
+    let normal = if is_settled { Some(gap.normal) } else { toward_a };
+    let (point_on_a, point_on_b) = match toward_a {
+        Some(toward_a) if best > 0.0 => (on_a - toward_a * pair.a.radius, on_b + toward_a * pair.b.radius),
         _ => {
             let common = common_point(on_a, on_b, pair.a.radius, pair.b.radius);
             (common, common)
