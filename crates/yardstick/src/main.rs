@@ -43,10 +43,13 @@ struct CoverageArguments {
     /// How many pairs.
     #[arg(long, value_name = "COUNT", default_value_t = 100_000)]
     pairs: u64,
+    /// How many rays, after the pairs: a tenth as many if not given.
+    #[arg(long, value_name = "COUNT")]
+    rays: Option<u64>,
     /// Names the run: the same seed makes the same pairs.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// The number of the first pair: with `--pairs 1`, the pair of a failure alone.
+    /// The number of the first pair and ray: with `--pairs 1 --rays 0`, the pair of a failure alone.
     #[arg(long, value_name = "INDEX", default_value_t = 0)]
     first: u64,
     /// Only pairs of these kinds, such as box-cylinder (they change what a number stands for).
@@ -160,6 +163,7 @@ fn cover(arguments: &CoverageArguments) -> io::Result<u8> {
     std::panic::set_hook(Box::new(|_| {}));
     let settings = Settings {
         pairs: arguments.pairs,
+        rays: arguments.rays.unwrap_or(arguments.pairs / 10),
         first: arguments.first,
         seed: arguments.seed,
         kinds: arguments.kind,
@@ -168,7 +172,7 @@ fn cover(arguments: &CoverageArguments) -> io::Result<u8> {
     static STOP: AtomicBool = AtomicBool::new(false);
     stop_on_interrupt(&STOP)?;
     let bar = progress_bar();
-    bar.set_length(settings.pairs);
+    bar.set_length(settings.pairs + settings.rays);
     let failed_count = AtomicU64::new(0);
     let done = |count: u64| {
         if count.is_multiple_of(256) {

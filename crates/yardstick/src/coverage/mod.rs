@@ -2,7 +2,7 @@
 //!
 //! # Map
 //! [`forms`] makes forms, [`pairs`] places two of them and says what is asked, [`ask`] asks the kernels in both orders,
-//! [`judge`] compares with [`crate::oracle::Truth`], [`report`] counts by kinds, [`source`] writes what failed as a test
+//! [`judge()`] compares with [`crate::oracle::Truth`], [`report`] counts by kinds, [`source`] writes what failed as a test
 //! to paste, [`run`] does it all on some threads.
 //!
 //! # What is checked
@@ -16,11 +16,15 @@
 //! * The returned normal of a depth has length 1 and the width along it does not exceed the upper bound (by 1e-13·s:
 //!   normals carry no bound).
 //! * Swapping the arguments swaps every byte of the answer.
+//! * Rays at one form ([`rays`]): the first touch lies in an interval that was answered, HIT and nothing are true, and what is
+//!   open is so within 1e-11·s of a graze or a limit. The truth is the stretch of the line inside the form
+//!   ([`crate::oracle::inside()`]).
 
 mod ask;
 mod forms;
 mod judge;
 mod pairs;
+mod rays;
 mod report;
 mod run;
 mod source;
@@ -29,5 +33,6 @@ pub use ask::Answers;
 pub use forms::Kind;
 pub use judge::{Fault, FaultKind, Outcome, judge};
 pub use pairs::{Question, question};
-pub use report::{KindReport, Report};
-pub use run::{Failure, Settings, examine, run};
+pub use rays::{RayQuestion, judge_ray, ray_question};
+pub use report::{KindReport, Report, Row};
+pub use run::{Failure, Settings, examine, examine_ray, run};

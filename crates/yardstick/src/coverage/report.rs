@@ -118,11 +118,31 @@ struct Summary {
     blurred: usize,
 }
 
-/// What came of all pairs.
+/// What was asked of which kinds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Row {
+    /// Distance, overlap and depth of a pair.
+    Pair(Kind, Kind),
+    /// A ray at a form: `overlaps` counts the lines that meet it, the distance's widths are those of the way.
+    Ray(Kind),
+}
+
+impl Row {
+    /// As one word.
+    #[must_use]
+    pub fn name(self) -> String {
+        match self {
+            Self::Pair(a, b) => format!("{}-{}", a.name(), b.name()),
+            Self::Ray(kind) => format!("ray-{}", kind.name()),
+        }
+    }
+}
+
+/// What came of all pairs and rays.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// By kinds.
-    pub by_kinds: BTreeMap<(Kind, Kind), KindReport>,
+    /// By what was asked of which kinds.
+    pub rows: BTreeMap<Row, KindReport>,
 }
 
 impl Report {
@@ -130,20 +150,20 @@ impl Report {
     #[must_use]
     pub fn total(&self) -> KindReport {
         let mut total = KindReport::default();
-        self.by_kinds.values().for_each(|report| total.merge(report.clone()));
+        self.rows.values().for_each(|report| total.merge(report.clone()));
         total
     }
 
     /// Takes in another.
     pub fn merge(&mut self, other: Self) {
-        for (kinds, report) in other.by_kinds {
-            self.by_kinds.entry(kinds).or_default().merge(report);
+        for (row, report) in other.rows {
+            self.rows.entry(row).or_default().merge(report);
         }
     }
 
     fn summaries(&self) -> Vec<Summary> {
-        let rows = self.by_kinds.iter().map(|(kinds, report)| report.summary(pair_name(*kinds)));
-        rows.chain([self.total().summary("all".into())]).collect()
+        let all = self.rows.iter().map(|(row, report)| report.summary(row.name()));
+        all.chain([self.total().summary("all".into())]).collect()
     }
 
     /// The report as JSON: one object for each pair of kinds, and one for all.
@@ -189,9 +209,4 @@ impl Report {
         }
         Ok(())
     }
-}
-
-/// Two kinds as one word.
-pub(super) fn pair_name((a, b): (Kind, Kind)) -> String {
-    format!("{}-{}", a.name(), b.name())
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use collision::{DQuat, DVec3};
 
-use super::pairs::Question;
+use super::{pairs::Question, rays::RayQuestion};
 use crate::oracle::{Core, PlacedSolid, Solid, Truth};
 
 /// Rust source of a test that asks all three questions and holds the answers against the truth. Numbers are the
@@ -42,6 +42,35 @@ pub(super) fn test_source(name: &str, question: &Question, truth: &Truth, faults
     let _ = writeln!(
         out,
         "    assert!(contacts.iter().all(|contact| contact.certificate.bound.contains(-truth)), \"{{contacts:?}}\");\n}}"
+    );
+    out
+}
+
+/// The same for a ray: it prints what is answered, beside the truth in the comment.
+pub(super) fn ray_test_source(name: &str, question: &RayQuestion, faults: &[String]) -> String {
+    let mut out = String::new();
+    for fault in faults {
+        let _ = writeln!(out, "// {fault}");
+    }
+    let ray = &question.ray;
+    let _ = writeln!(out, "// {}", question.category);
+    let _ = writeln!(out, "#[test]\nfn {name}() {{");
+    let _ = writeln!(out, "    let target = {};", form(&question.target.solid));
+    let _ =
+        writeln!(out, "    let target = Placed {{ geometry: &target.unwrap(), pose: {} }};", pose(&question.target));
+    let _ = writeln!(
+        out,
+        "    let ray = Ray {{ origin: {}, direction: {}, min_distance: {:?}, max_distance: {:?}, hollow: {}, faces: Faces::{:?} }};",
+        vector(ray.origin),
+        vector(ray.direction),
+        ray.min_distance,
+        ray.max_distance,
+        ray.hollow,
+        ray.faces
+    );
+    let _ = writeln!(
+        out,
+        "    panic!(\"{{:?}}\", raycast(&ray, target, &Accuracy::of(Tier::Exact), &mut Work::default()));\n}}"
     );
     out
 }

@@ -1,7 +1,8 @@
 //! A slow and obvious oracle, which takes nothing from the kernels it judges.
 //!
 //! # Map
-//! [`Truth`] is the signed distance of two convex forms to 32 digits, with bounds of its own. The rest are plain f64 formulas
+//! [`Truth`] is the signed distance of two convex forms to 32 digits, with bounds of its own, [`inside()`] the stretch of a
+//! line in one. The rest are plain f64 formulas
 //! for the conformance runner: every feature looked at, no tree and no iteration.
 
 mod apart;
@@ -10,6 +11,7 @@ mod double;
 mod form;
 mod frame;
 mod inside;
+mod line;
 mod plane;
 mod polytope;
 mod space;
@@ -18,6 +20,7 @@ mod truth;
 
 pub use double::{Double, Number};
 pub use form::{Core, PlacedSolid, Solid, length, scale};
+pub use line::{Inside, inside};
 pub use truth::Truth;
 
 pub use convex::{separation_along, signed_distance_lower, support_height};
