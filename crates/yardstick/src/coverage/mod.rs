@@ -18,7 +18,7 @@
 //! * Swapping the arguments swaps every byte of the answer.
 //! * Rays at one form ([`rays`]): the first touch lies in an interval that was answered, HIT and nothing are true, and what is
 //!   open is so within 1e-11·s of a graze or a limit. The truth is the stretch of the line inside the form
-//!   ([`crate::oracle::inside()`]).
+//!   ([`crate::oracle::stretch_inside`]).
 
 mod ask;
 mod forms;

@@ -14,7 +14,7 @@ use super::{
     judge::{Fault, FaultKind, Outcome},
 };
 use crate::{
-    oracle::{Core, Inside, PlacedSolid, Solid, Truth, inside, length},
+    oracle::{Core, Inside, PlacedSolid, Solid, Truth, length, stretch_inside},
     scene::Random,
 };
 
@@ -152,7 +152,7 @@ const COSINE_MIN: f64 = 1e-2;
 pub fn judge_ray(question: &RayQuestion, answer: &RayTouches) -> Outcome {
     let (ray, target) = (&question.ray, &question.target);
     let s = target.solid.reach().max(length(ray.origin - target.position)).max(1e-9);
-    let stretch = inside(target, ray.origin, ray.direction);
+    let stretch = stretch_inside(target, ray.origin, ray.direction);
     let mut outcome = Outcome { overlaps: stretch.is_some(), ..Outcome::default() };
     let mut fault = |kind: FaultKind, what: String| {
         outcome.faults.push(Fault { kind, what: format!("{what}; truth {stretch:?}, s {s:e}") });

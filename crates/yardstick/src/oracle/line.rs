@@ -16,7 +16,7 @@ use super::{
     double::{Double, Number},
     form::{Core, PlacedSolid, Solid},
     frame::{Kind, Pair, Wiring},
-    polytope,
+    inside, polytope,
     space::{Vector, exponent_of, times_power_of_two},
 };
 
@@ -27,8 +27,7 @@ pub struct Inside {
     pub enter: [f64; 2],
     /// Bounds of the way to the last point.
     pub leave: [f64; 2],
-    /// How deep the middle of the stretch is inside, metres; 0 for forms without volume and for round cores that need no
-    /// radius there.
+    /// How deep the middle of the stretch is inside, metres; 0 for forms without volume.
     pub middle_depth: f64,
     /// Cosine between the line and the normal of the surface where it enters, and where it leaves.
     pub cosines: [f64; 2],
@@ -60,7 +59,7 @@ struct End {
 /// The stretch of a line inside a form that is no half space; `None` if there surely is none. `direction` is of any length
 /// but 0.
 #[must_use]
-pub fn inside(solid: &PlacedSolid, origin: DVec3, direction: DVec3) -> Option<Inside> {
+pub fn stretch_inside(solid: &PlacedSolid, origin: DVec3, direction: DVec3) -> Option<Inside> {
     let point = PlacedSolid {
         solid: Solid { core: Core::Point, radius: 0.0 },
         position: origin,
@@ -91,13 +90,8 @@ pub fn inside(solid: &PlacedSolid, origin: DVec3, direction: DVec3) -> Option<In
     };
     let (entered, left) = (around(&enter, 1.0), around(&leave, -1.0));
     let middle = (enter.way + leave.way) * Double::of(0.5);
-    let depth = line.gap_at(middle).map_or(0.0, |(gap, _)| -gap.nearest());
-    Some(Inside {
-        enter: entered,
-        leave: left,
-        middle_depth: metres(depth.max(0.0)),
-        cosines: [enter.cosine, leave.cosine],
-    })
+    let depth = line.depth_at(middle);
+    Some(Inside { enter: entered, leave: left, middle_depth: metres(depth), cosines: [enter.cosine, leave.cosine] })
 }
 
 impl Line {
@@ -113,6 +107,17 @@ impl Line {
             (apart.normal != Vector::zero()).then_some((apart.lower, apart.normal))
         })?;
         Some((found.0 - self.pair.radius, found.1))
+    }
+
+    /// How deep the point at a way is inside, 0 outside; to about 16 digits.
+    fn depth_at(&mut self, way: Double) -> f64 {
+        let gap = self.gap_at(way).filter(|(gap, _)| gap.nearest() > ON_SURFACE);
+        if gap.is_some() {
+            return 0.0;
+        }
+        let (gap, _) =
+            polytope::signed_distance(&self.pair).unwrap_or_else(|| inside::signed_distance(&self.pair, &[]));
+        (self.pair.radius - gap).nearest().max(0.0)
     }
 
     /// The first point from a way on, forwards (1) or backwards (-1).
@@ -161,7 +166,7 @@ mod tests {
             position: DVec3::new(5.0, 0.0, 0.0),
             rotation: glam::DQuat::IDENTITY,
         };
-        inside(&solid, origin, direction)
+        stretch_inside(&solid, origin, direction)
     }
 
     #[track_caller]

@@ -1,7 +1,7 @@
 //! A slow and obvious oracle, which takes nothing from the kernels it judges.
 //!
 //! # Map
-//! [`Truth`] is the signed distance of two convex forms to 32 digits, with bounds of its own, [`inside()`] the stretch of a
+//! [`Truth`] is the signed distance of two convex forms to 32 digits, with bounds of its own, [`stretch_inside`] that of a
 //! line in one. The rest are plain f64 formulas
 //! for the conformance runner: every feature looked at, no tree and no iteration.
 
@@ -20,7 +20,7 @@ mod truth;
 
 pub use double::{Double, Number};
 pub use form::{Core, PlacedSolid, Solid, length, scale};
-pub use line::{Inside, inside};
+pub use line::{Inside, stretch_inside};
 pub use truth::Truth;
 
 pub use convex::{separation_along, signed_distance_lower, support_height};
