@@ -36,6 +36,11 @@ impl Random {
         low + (high - low) * fraction
     }
 
+    /// True once in so many times.
+    pub fn one_in(&mut self, count: u64) -> bool {
+        self.bits().is_multiple_of(count)
+    }
+
     /// A unit vector, uniform on the sphere.
     pub fn direction(&mut self) -> DVec3 {
         let z = self.uniform(-1.0, 1.0);

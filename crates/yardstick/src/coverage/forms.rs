@@ -146,7 +146,7 @@ pub(super) fn form(random: &mut Random, kind: Kind, style: Style, size: f64) -> 
 }
 
 fn rounding(random: &mut Random, kind: Kind, style: Style, size: f64) -> f64 {
-    if kind == Kind::Point || random.bits() % 4 != 0 {
+    if kind == Kind::Point || !random.one_in(4) {
         return 0.0;
     }
     let part = if style == Style::Dyadic { 0.125 } else { power_of_ten(random, -4.0, 0.0) };
@@ -164,7 +164,7 @@ fn half_space(random: &mut Random, style: Style, size: f64) -> Core {
             (normals[(random.bits() % 5) as usize] * 0.5, (part * 8.0).round() / 8.0)
         }
         Style::Denormal => {
-            let tiny = if random.bits() % 2 == 0 { 1e-300 } else { 1.0 };
+            let tiny = if random.one_in(2) { 1e-300 } else { 1.0 };
             (with_subnormals(random, normal * tiny) + DVec3::Y * 5e-324, part * 1e-310)
         }
     };
@@ -183,7 +183,7 @@ fn in_cube(random: &mut Random, half: f64) -> DVec3 {
 
 /// Most hulls have few corners, since the oracle's time is cubic in them; some have more.
 fn corner_count(random: &mut Random) -> usize {
-    let most = if random.bits() % 8 == 0 { 17 } else { 9 };
+    let most = if random.one_in(8) { 17 } else { 9 };
     4 + (random.bits() % (most - 4)) as usize
 }
 
@@ -245,7 +245,7 @@ fn flat(random: &mut Random, style: Style, size: f64) -> Vec<DVec3> {
         // In a plane across an axis, exactly.
         0..=2 => {
             let axis = (random.bits() % 3) as usize;
-            let height = if random.bits() % 2 == 0 { 0.0 } else { random.uniform(-size, size) };
+            let height = if random.one_in(2) { 0.0 } else { random.uniform(-size, size) };
             points.iter_mut().for_each(|point| point[axis] = height);
         }
         // In a leaning plane, to within rounding.

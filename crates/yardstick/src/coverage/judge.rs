@@ -178,7 +178,8 @@ impl Judge<'_> {
         let apart = answer.point_on_a.distance(answer.point_on_b);
         let far = answer.point_on_a.abs().max_element().max(answer.point_on_b.abs().max_element());
         let slack = self.s * 1e-9 + far * 1e-15 + answer.certificate.bound.width();
-        if !((apart - answer.distance).abs() <= slack) {
+        let agree = (apart - answer.distance).abs() <= slack;
+        if !agree {
             self.fault(
                 FaultKind::Points,
                 format!("distance {:e}, but its points are {apart:e} apart", answer.distance),
@@ -191,7 +192,8 @@ impl Judge<'_> {
 
     fn overlap(&mut self, answer: &Certificate) {
         let bound = answer.bound;
-        if !(bound.lower <= bound.upper) {
+        let in_order = bound.lower <= bound.upper;
+        if !in_order {
             self.fault(FaultKind::Form, format!("overlap in [{:e}, {:e}]", bound.lower, bound.upper));
         }
         if self.truth.is_below(bound.lower) || self.truth.is_above(bound.upper) {
@@ -271,7 +273,8 @@ impl Judge<'_> {
             Stop::Tolerance => asked,
             Stop::Converged => asked.max(CONVERGED * self.s),
         };
-        if !(bound.width() <= widest) {
+        let is_narrow = bound.width() <= widest;
+        if !is_narrow {
             let width = bound.width() / self.s;
             let what = format!(
                 "{name} in [{:e}, {:e}] is {width:e} s wide: {:?} by {:?} after {} iterations, asked {:e}",

@@ -69,19 +69,19 @@ const CATEGORIES: [(Category, &str); 13] = [
 pub fn question(seed: u64, kinds: (Kind, Kind)) -> Question {
     let mut random = Random::new(seed);
     let (category, name) = CATEGORIES[(random.bits() % CATEGORIES.len() as u64) as usize];
-    let size = if random.bits() % 2 == 0 { 1.0 } else { power_of_ten(&mut random, -6.0, 6.0) };
+    let size = if random.one_in(2) { 1.0 } else { power_of_ten(&mut random, -6.0, 6.0) };
     let (mut a, mut b) = Maker { random: &mut random, kinds, size }.pair(category);
     for placed in [&mut a, &mut b] {
-        if random.bits() % 4 == 0 {
-            placed.rotation = placed.rotation * stretch(&mut random);
+        if random.one_in(4) {
+            placed.rotation *= stretch(&mut random);
         }
     }
-    if random.bits() % 2 == 0 {
+    if random.one_in(2) {
         (a, b) = (b, a);
     }
     let s = scale(&a, &b);
     let accuracy = accuracy(&mut random, s);
-    let limit = if random.bits() % 5 == 0 { s * power_of_ten(&mut random, -3.0, 0.5) } else { f64::INFINITY };
+    let limit = if random.one_in(5) { s * power_of_ten(&mut random, -3.0, 0.5) } else { f64::INFINITY };
     let max_gap = match random.bits() % 4 {
         0 => s * power_of_ten(&mut random, -9.0, 0.5),
         1 => s * 10.0,
@@ -105,7 +105,7 @@ fn accuracy(random: &mut Random, s: f64) -> Accuracy {
         1 => Tier::Standard,
         _ => Tier::Exact,
     };
-    let max_error = if random.bits() % 4 == 0 { s * power_of_ten(random, -13.0, -1.0) } else { 0.0 };
+    let max_error = if random.one_in(4) { s * power_of_ten(random, -13.0, -1.0) } else { 0.0 };
     Accuracy { max_error, ..Accuracy::of(tier) }
 }
 
@@ -121,7 +121,7 @@ impl Maker<'_> {
             Category::Generic => self.generic(Style::Plain),
             Category::Aspect => {
                 let pair = self.generic(Style::Stretched);
-                if self.random.bits() % 2 == 0 { self.near_touch(pair) } else { pair }
+                if self.random.one_in(2) { self.near_touch(pair) } else { pair }
             }
             Category::NearTouch => {
                 let pair = self.generic(Style::Plain);
@@ -138,12 +138,12 @@ impl Maker<'_> {
             }
             Category::SizeRatio => self.size_ratio(),
             Category::FarOffset => {
-                let style = if self.random.bits() % 4 == 0 { Style::Stretched } else { Style::Plain };
+                let style = if self.random.one_in(4) { Style::Stretched } else { Style::Plain };
                 let (mut a, mut b) = self.generic(style);
                 let offset = self.random.direction() * power_of_ten(self.random, 3.0, 9.0);
                 a.position += offset;
                 b.position += offset;
-                if self.random.bits() % 2 == 0 { self.near_touch((a, b)) } else { (a, b) }
+                if self.random.one_in(2) { self.near_touch((a, b)) } else { (a, b) }
             }
             Category::NearParallel => self.near_parallel(),
             Category::Denormal => self.denormal(),
@@ -182,7 +182,7 @@ impl Maker<'_> {
     /// Moves the second form so that the gap is a small part of the size, of either sign.
     fn near_touch(&mut self, (a, b): (PlacedSolid, PlacedSolid)) -> (PlacedSolid, PlacedSolid) {
         let part = power_of_ten(self.random, -14.0, -1.0);
-        let sign = if self.random.bits() % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if self.random.one_in(2) { 1.0 } else { -1.0 };
         let gap = sign * part * scale(&a, &b);
         self.at_gap(a, b, gap)
     }
@@ -198,7 +198,7 @@ impl Maker<'_> {
     }
 
     fn about_one_place(&mut self, category: Category) -> (PlacedSolid, PlacedSolid) {
-        let style = if self.random.bits() % 4 == 0 { Style::Stretched } else { Style::Plain };
+        let style = if self.random.one_in(4) { Style::Stretched } else { Style::Plain };
         let (a, mut b) = self.sized(style, 1.0);
         b.position = a.position;
         if matches!(category, Category::Identical) {
@@ -211,7 +211,7 @@ impl Maker<'_> {
     }
 
     fn size_ratio(&mut self) -> (PlacedSolid, PlacedSolid) {
-        let least = if self.random.bits() % 8 == 0 { -12.0 } else { -6.0 };
+        let least = if self.random.one_in(8) { -12.0 } else { -6.0 };
         let part = power_of_ten(self.random, least, -2.0);
         let (a, b) = self.sized(Style::Plain, part);
         let gap = b.solid.reach() * self.random.uniform(-2.0, 2.0);
@@ -228,7 +228,7 @@ impl Maker<'_> {
         let axis = [DVec3::X, DVec3::Y, DVec3::Z][(self.random.bits() % 3) as usize];
         let reach = a.solid.reach() + b.solid.reach();
         b.position = a.position + a.rotation.normalize() * axis * reach + self.random.direction() * (0.1 * reach);
-        if self.random.bits() % 4 == 0 { (a, b) } else { self.near_touch((a, b)) }
+        if self.random.one_in(4) { (a, b) } else { self.near_touch((a, b)) }
     }
 
     fn denormal(&mut self) -> (PlacedSolid, PlacedSolid) {
@@ -240,7 +240,7 @@ impl Maker<'_> {
             _ => position,
         };
         (a.position, b.position) = (near_zero(a.position), near_zero(b.position));
-        if self.random.bits() % 2 == 0 {
+        if self.random.one_in(2) {
             a.rotation = DQuat::from_xyzw(1e-310, 5e-324, 0.0, 1.0);
         }
         (a, b)
@@ -260,7 +260,7 @@ impl Maker<'_> {
             DQuat::from_xyzw(0.0, 0.0, 1.0, 0.0),
             DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
         ];
-        if self.random.bits() % 2 == 0 { turns[0] } else { turns[(self.random.bits() % 5) as usize] }
+        if self.random.one_in(2) { turns[0] } else { turns[(self.random.bits() % 5) as usize] }
     }
 
     fn dyadic(&mut self, kind: Kind) -> PlacedSolid {

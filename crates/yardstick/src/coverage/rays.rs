@@ -37,10 +37,10 @@ pub fn ray_question(seed: u64, kind: Kind) -> RayQuestion {
     let mut random = Random::new(seed);
     let random = &mut random;
     let category = CATEGORIES[(random.bits() % CATEGORIES.len() as u64) as usize];
-    let size = if random.bits() % 2 == 0 { 1.0 } else { power_of_ten(random, -6.0, 6.0) };
+    let size = if random.one_in(2) { 1.0 } else { power_of_ten(random, -6.0, 6.0) };
     let style = match category {
         "along_axis" => Style::Dyadic,
-        "awkward" if random.bits() % 2 == 0 => Style::Denormal,
+        "awkward" if random.one_in(2) => Style::Denormal,
         "awkward" => Style::Stretched,
         _ => Style::Plain,
     };
@@ -71,16 +71,16 @@ pub fn ray_question(seed: u64, kind: Kind) -> RayQuestion {
     let offset = if category == "far_offset" { power_of_ten(random, 3.0, 9.0) } else { 0.0 };
     let offset = random.direction() * offset;
     target.position += offset;
-    let stretch = if random.bits() % 8 == 0 { 1e-120 } else { power_of_ten(random, -3.0, 3.0) };
+    let stretch = if random.one_in(8) { 1e-120 } else { power_of_ten(random, -3.0, 3.0) };
     let ray = limited(random, origin + offset, direction * stretch, reach);
     RayQuestion { category, target, ray }
 }
 
 fn limited(random: &mut Random, origin: DVec3, direction: DVec3, reach: f64) -> Ray {
-    let min_distance = if random.bits() % 8 == 0 { reach * random.uniform(0.0, 2.0) } else { 0.0 };
-    let max_distance = if random.bits() % 8 == 0 { min_distance + reach * random.uniform(0.0, 3.0) } else { 4e12 };
+    let min_distance = if random.one_in(8) { reach * random.uniform(0.0, 2.0) } else { 0.0 };
+    let max_distance = if random.one_in(8) { min_distance + reach * random.uniform(0.0, 3.0) } else { 4e12 };
     let faces = [Faces::Both, Faces::Both, Faces::Front, Faces::Back][(random.bits() % 4) as usize];
-    Ray { origin, direction, min_distance, max_distance, hollow: random.bits() % 3 == 0, faces }
+    Ray { origin, direction, min_distance, max_distance, hollow: random.one_in(3), faces }
 }
 
 /// A ray that passes at the height of the highest point along a direction across it, or a little above or below.
@@ -89,7 +89,7 @@ fn grazing(random: &mut Random, target: &PlacedSolid, reach: f64) -> (DVec3, DVe
     let along = up.cross(random.direction()).normalize_or(up.any_orthonormal_vector());
     let middle = PlacedSolid { solid: Solid { core: Core::Point, radius: 0.0 }, ..target.clone() };
     let height = -Truth::of(target, &middle, &[]).gap_along(up);
-    let off = power_of_ten(random, -17.0, -1.0) * if random.bits() % 2 == 0 { 1.0 } else { -1.0 };
+    let off = power_of_ten(random, -17.0, -1.0) * if random.one_in(2) { 1.0 } else { -1.0 };
     (target.position + up * (height * (1.0 + off)) - along * (3.0 * reach), along)
 }
 

@@ -1,9 +1,8 @@
 //! A slow and obvious oracle, which takes nothing from the kernels it judges.
 //!
 //! # Map
-//! [`Truth`] is the signed distance of two convex forms to 32 digits, with bounds of its own, [`stretch_inside`] that of a
-//! line in one. The rest are plain f64 formulas
-//! for the conformance runner: every feature looked at, no tree and no iteration.
+//! [`Truth`] is the signed distance of two convex forms to 32 digits, with bounds of its own, [`stretch_inside`] the stretch of
+//! a line in one. The rest are plain f64 formulas for the conformance runner: every feature looked at, no tree and no iteration.
 
 mod apart;
 mod convex;
