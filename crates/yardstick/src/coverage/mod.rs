@@ -9,7 +9,8 @@
 //! * No interval misses the truth, with no slack beyond the oracle's own bounds (1e-27 of the pair for corners; for round
 //!   cores apart what is proved on both sides). The depth of round cores that overlap is, for the oracle, the least width
 //!   of very many directions, the answer's own normal among them: a lower bound of the depth above it is surely
-//!   wrong; an upper bound more than 1e-15 of the pair below it is not the width along the normal it came with.
+//!   wrong; an upper bound more than 1e-15 of the pair below it is not the width along the normal it came with. (The bound
+//!   of an overlap comes without a normal: 1e-5·s there.)
 //! * Verdicts, `None` and limits say what is true; UNDECIDED only within 1e-11·s of touch, s being
 //!   the greatest of both radii and the distance of the origins.
 //! * An interval is as narrow as was asked, or, converged, 1e-12·s.

@@ -84,13 +84,17 @@ fn circles_of(body: &Body<Double>, side: Side) -> Vec<Circle<Double>> {
             let sine = *radius / (*radius * *radius + height * height).root();
             vec![Circle { axis: body.turn.axis(1), height: if side == Side::A { sine } else { -sine } }]
         }
-        Kind::Ellipsoid(_) => vec![],
+        // No kinks, but valleys that look like them if it is long or flat.
+        Kind::Ellipsoid(_) => (0..3).map(|axis| across(body.turn.axis(axis))).collect(),
     }
 }
 
 /// Directions of the net that is looked at first, and how many of the best are followed.
 const NET: usize = 160;
 const FOLLOWED: usize = 6;
+
+/// How often it is climbed freely and along circles in turn.
+const FOLLOWS_MAX: usize = 8;
 
 /// Circles within this sine of a direction are looked at from there, and at most so many.
 const NEAR_CIRCLE: f64 = 0.15;
@@ -99,12 +103,15 @@ const CIRCLES_MAX: usize = 10;
 /// The last step of a compass, radians: the square of it is below rounding.
 const STEP_MIN: f64 = 1e-9;
 
+/// The longest.
+const STEP_MAX: f64 = 0.3;
+
 /// A compass keeps its step while that gains more than this part of its square: less is rounding, and would go on forever
 /// where the width is the same all along a circle.
-const GAIN_MIN: f64 = 1e-3;
+const GAIN_MIN: f64 = 1e-5;
 
 /// Moves and shrinkings of one compass: along a ridge that no point of it follows it gains a little without end.
-const MOVES_MAX: usize = 120;
+const MOVES_MAX: usize = 300;
 
 struct Search<'a> {
     pair: &'a Pair,
@@ -165,7 +172,7 @@ impl Search<'_> {
     /// Climbs from a direction, freely and along circles, until neither is better.
     fn follow(&self, start: (f64, Vector<f64>)) -> (f64, Vector<f64>) {
         let mut best = start;
-        for _ in 0..4 {
+        for _ in 0..FOLLOWS_MAX {
             let before = best.0;
             best = self.climb(best);
             let near = self.near_circles(best.1);
@@ -200,6 +207,7 @@ impl Search<'_> {
         let (mut step, mut moves) = (0.1, 0);
         while step > STEP_MIN && moves < MOVES_MAX {
             moves += 1;
+            step = step.min(STEP_MAX);
             let (east, north) = tangents(best.1);
             let mut next = best;
             for (x, y) in [(1.0, 0.0), (0.7, 0.7), (0.0, 1.0), (-0.7, 0.7)] {
@@ -208,8 +216,12 @@ impl Search<'_> {
                     next = better(next, (self.rough(direction), direction));
                 }
             }
-            if next.0 > best.0 + GAIN_MIN * step * step {
-                best = next;
+            let is_gain = next.0 > best.0 + GAIN_MIN * step * step;
+            if is_gain {
+                // Along a valley the same way again, and longer and longer ones.
+                let again = next.1 + (next.1 - best.1) * 2.0;
+                best = again.unit().map_or(next, |again| better(next, (self.rough(again), again)));
+                step *= 1.5;
             } else {
                 best = better(best, next);
                 step *= 0.4;
