@@ -15,7 +15,7 @@ fn place(core: Core, radius: f64, position: DVec3) -> PlacedSolid {
 fn truth(a: &PlacedSolid, b: &PlacedSolid) -> f64 {
     let there = Truth::of(a, b, &[]);
     let back = Truth::of(b, a, &[]);
-    let tolerance = 1e-15 * scale(a, b);
+    let tolerance = 1e-14 * scale(a, b);
     assert!((there.nearest() - back.nearest()).abs() <= tolerance, "{} {}", there.nearest(), back.nearest());
     assert!(there.blur() <= tolerance, "{}", there.blur());
     assert!(!there.is_above(there.nearest() + tolerance) && !there.is_below(there.nearest() - tolerance));
