@@ -109,6 +109,10 @@ const NORMAL: f64 = 1e-13;
 /// thousand pairs it finds none that is as good, though in none by so much.
 const SEARCH: f64 = 1e-5;
 
+/// Nearest points may be off by this part of s, and by this part of their coordinates in the world.
+const POINTS: f64 = 1e-9;
+const WORLD_POINT: f64 = 1e-15;
+
 /// Widths are judged relative to at least this, metres: the least size the service accepts.
 const SCALE_MIN: f64 = 1e-9;
 
@@ -177,11 +181,13 @@ impl Judge<'_> {
         }
     }
 
-    /// Points carry no bound; they must be finite and about as far apart as the answer says.
+    /// Points carry no bound; they must be finite and as far apart as the answer says, to within what was asked.
     fn witnesses(&mut self, answer: &Separation) {
         let apart = answer.point_on_a.distance(answer.point_on_b);
         let far = answer.point_on_a.abs().max_element().max(answer.point_on_b.abs().max_element());
-        let slack = self.s * 1e-9 + far * 1e-15 + answer.certificate.bound.width();
+        let accuracy = &self.question.accuracy;
+        let asked = accuracy.max_error.max(accuracy.max_error_relative * answer.distance);
+        let slack = self.s * POINTS + far * WORLD_POINT + answer.certificate.bound.width() + asked;
         let agree = (apart - answer.distance).abs() <= slack;
         if !agree {
             self.fault(

@@ -140,6 +140,9 @@ fn expected(ray: &Ray, stretch: Option<&Inside>) -> Expected {
     Expected::Nothing
 }
 
+/// Errors are relative to the size of the form and the way to it, and to at least this, metres.
+const SCALE_MIN: f64 = 1e-9;
+
 /// Touches may stay open within this part of s of a graze or a limit.
 const OPEN: f64 = 1e-11;
 
@@ -151,7 +154,7 @@ const COSINE_MIN: f64 = 1e-2;
 #[must_use]
 pub fn judge_ray(question: &RayQuestion, answer: &RayTouches) -> Outcome {
     let (ray, target) = (&question.ray, &question.target);
-    let s = target.solid.reach().max(length(ray.origin - target.position)).max(1e-9);
+    let s = (2.0 * target.solid.reach() + length(ray.origin - target.position)).max(SCALE_MIN);
     let stretch = stretch_inside(target, ray.origin, ray.direction);
     let mut outcome = Outcome { overlaps: stretch.is_some(), ..Outcome::default() };
     let mut fault = |kind: FaultKind, what: String| {
