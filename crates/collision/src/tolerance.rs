@@ -205,3 +205,21 @@ pub const SMALL_AREA: f64 = 1.0 / 262_144.0;
 /// difference, 3 for the sum, on values of up to 8 each, make 144 roundings; 512 are taken. Larger: more exact signs are
 /// asked. Smaller: a sign might be wrong. Pinned by the coverage runner.
 pub const VOLUME_DOUBT: f64 = 512.0 * ROUNDING;
+
+/// Axes of two bodies of revolution that lean from each other by less than this (the sine) are measured as if they were
+/// parallel. What that may be off by is added to the bounds, so a larger one is never wrong, only of no use: beyond it the
+/// expanding polytope is nearly always narrower. Smaller, and the depths of nearly parallel forms stay wide. Pinned by
+/// `a_lean_widens_the_depth_by_no_more_than_itself` in `tests/convex/revolved.rs`.
+pub const NEARLY_PARALLEL_SINE: f64 = 1.0 / 1024.0;
+
+/// What the ball about a point inside an ellipsoid costs: `Σ pᵢ²/dᵢ`, which is at most 1, has terms right to 8 roundings (4
+/// for `dᵢ`, 3 for square and quotient, 1 for the sum), and the difference to 1 one more; 16 are taken. As a part of the depth
+/// that is half of this over the point's share, at most 8 roundings of the greatest radius, far below [`PAIR_ROUNDING`]:
+/// larger: wider depths. Smaller: a depth might be claimed that is not there. Pinned by the coverage runner (depths of
+/// points in ellipsoids).
+pub const BALL_INSIDE: f64 = 16.0 * ROUNDING;
+
+/// Coordinates of a point below this, in the pair's frame, are taken for 0 beside an ellipsoid: 128 times below the rounding
+/// of the position. Smaller would do down to where squares leave the range of f64. Pinned by
+/// `a_point_all_but_on_an_axis` in `tests/convex/ellipsoid.rs`.
+pub const ON_AXIS: f64 = ROUNDING / 128.0;

@@ -2,7 +2,7 @@
 //!
 //! # Method
 //! The cheapest way that is exact, in this order: boxes by their fifteen axes; while the cores are apart, the radii less the
-//! gap, which GJK proves; where the cores overlap, an expanding polytope, and where its answer is wider than rounding, all
+//! gap, which GJK proves; where the cores overlap, a formula if there is one, an expanding polytope, and where its answer is wider than rounding, all
 //! separating axes of polytopes and the balls and capsules inside round cores. The upper bound is the width along the
 //! returned normal, a true way out for any normal.
 
@@ -13,11 +13,11 @@ use glam::DVec3;
 use super::{
     axes,
     body::Corner,
-    boxes, epa,
+    boxes, epa, formula,
     frame::Pair,
     gjk::{self, Gap},
     inscribed,
-    manifold::{edge_names, names},
+    manifold::{self, edge_names, names},
     warm::Seed,
 };
 use crate::{
@@ -116,9 +116,23 @@ pub(super) fn overlapping(pair: &Pair<'_>, gap: &Gap, budget: u32, is_enough: im
     if let Some(depth) = boxes::depth(pair, f64::INFINITY) {
         return Touch::by_axes(depth, radius);
     }
+    let by_formula = formula::bounds(pair);
+    if let Some(found) = &by_formula
+        && (found.width() <= DEPTH_WIDTH || is_enough(radius - found.upper, radius - found.lower))
+    {
+        return Touch::by_formula(found, radius);
+    }
     let rest = budget.saturating_sub(gap.iterations).max(1);
-    let floor = inscribed::depth_lower(pair) - radius;
+    // What the cores are surely deep by.
+    let by_form = by_formula.as_ref().map_or(f64::NEG_INFINITY, |found| -found.upper);
+    let floor = by_form.max(inscribed::depth_lower(pair) - radius);
     let grown = epa::depth(pair, &gap.simplex, floor, rest, |lower, upper| is_enough(lower + radius, upper + radius));
+    if let (Some(grown), Some(found)) = (&grown, &by_formula)
+        && found.width() < grown.upper - grown.lower
+    {
+        let iterations = grown.iterations.saturating_add(1);
+        return Touch { stop: grown.stop, iterations, ..Touch::by_formula(found, radius) };
+    }
     match grown {
         Some(grown) if grown.stop != Stop::Converged || grown.upper - grown.lower <= DEPTH_WIDTH => {
             Touch::by_polytope(grown, radius)
@@ -157,6 +171,21 @@ impl Touch {
             method: Method::SeparatingAxes,
             stop: depth.stop,
             iterations: depth.iterations,
+        }
+    }
+
+    fn by_formula(found: &formula::Signed, radius: f64) -> Self {
+        Self {
+            best: radius - found.best(),
+            lower: radius - found.upper,
+            upper: radius - found.lower,
+            normal: found.normal,
+            witnesses: Some((found.on_a, found.on_b)),
+            edges: None,
+            features: Some(found.corners.map(manifold::short)),
+            method: Method::ClosedForm,
+            stop: if found.width() <= DEPTH_WIDTH { Stop::Converged } else { Stop::Tolerance },
+            iterations: 1,
         }
     }
 

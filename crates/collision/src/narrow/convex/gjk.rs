@@ -16,7 +16,7 @@
 use glam::DVec3;
 
 use super::{
-    boxes,
+    boxes, formula,
     frame::Pair,
     rods,
     simplex::{Simplex, Vertex},
@@ -70,7 +70,7 @@ pub(super) fn gap_warm(
     budget: u32,
     is_enough: impl Fn(f64, f64) -> bool,
 ) -> Gap {
-    if let Some(gap) = rods::gap(pair).or_else(|| boxes::gap(pair)) {
+    if let Some(gap) = rods::gap(pair).or_else(|| boxes::gap(pair)).or_else(|| formula::gap(pair)) {
         return gap;
     }
     let known = seed.and_then(|seed| seed.simplex(pair));
