@@ -1,6 +1,7 @@
-//! Convex forms and their kernels: hulls, laws, extremes, contact points, half spaces.
+//! Convex forms and their kernels: hulls, laws, extremes, contact points, half spaces, closed forms.
 
 mod contact;
+mod ellipsoid;
 mod extremes;
 mod half_space;
 mod half_space_ray;
@@ -8,6 +9,7 @@ mod hull;
 mod laws;
 mod planks;
 mod random;
+mod revolved;
 mod simplify;
 mod support;
 mod turning;
