@@ -1,0 +1,4 @@
+//! See `src/pairs.rs` for the laws.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| calipers_fuzz::pairs::check(bytes));
