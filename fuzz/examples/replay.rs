@@ -2,10 +2,16 @@
 //! `cargo run --release --example replay -- pairs [FILE…]`. Prints one line for each law that is broken.
 
 use std::{
+    cell::RefCell,
     collections::BTreeMap,
     panic::{self, AssertUnwindSafe},
     time::{Duration, Instant},
 };
+
+thread_local! {
+    /// Where the last panic was.
+    static PLACE: RefCell<String> = const { RefCell::new(String::new()) };
+}
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
@@ -16,7 +22,10 @@ fn main() {
         "rays" => calipers_fuzz::rays::check,
         _ => panic!("name a target: pairs, hulls or rays"),
     };
-    panic::set_hook(Box::new(|_| {}));
+    panic::set_hook(Box::new(|info| {
+        let place = info.location().map_or_else(String::new, ToString::to_string);
+        PLACE.with(|kept| *kept.borrow_mut() = place);
+    }));
     let files: Vec<String> = arguments.collect();
     if !files.is_empty() {
         for file in files {
@@ -36,8 +45,8 @@ fn main() {
         count += 1;
         let since = Instant::now();
         if let Some(broken) = broken(target, &bytes) {
-            // Laws are told apart by their words, not by their numbers.
-            let kind: String = broken.lines().next().unwrap_or("").chars().filter(|c| !c.is_ascii_digit()).take(40).collect();
+            // Laws are told apart by where they stand.
+            let kind: String = broken.split(' ').take(2).collect::<Vec<_>>().join(" ");
             let seen = kinds.entry(kind).or_default();
             *seen += 1;
             if *seen <= 2 {
@@ -57,7 +66,11 @@ fn main() {
 fn broken(target: fn(&[u8]), bytes: &[u8]) -> Option<String> {
     let panicked = panic::catch_unwind(AssertUnwindSafe(|| target(bytes))).err()?;
     let text = panicked.downcast_ref::<String>().cloned();
-    text.or_else(|| panicked.downcast_ref::<&str>().map(|&text| text.to_owned())).or(Some("a panic".into()))
+    let text = text.or_else(|| panicked.downcast_ref::<&str>().map(|&text| text.to_owned())).unwrap_or_default();
+    if text.starts_with("BROKEN") {
+        return Some(text);
+    }
+    Some(format!("PANIC {} {text}", PLACE.with(|place| place.borrow().clone())))
 }
 
 fn random_byte(state: &mut u64) -> u8 {

@@ -8,12 +8,20 @@ pub mod pairs;
 pub mod rays;
 pub mod support;
 
+/// Whether a law is one that the variable KNOWN_BROKEN names, as in `src/rays.rs:131,src/hulls.rs:149`: it is passed over, so
+/// that a search goes on to what is not known yet.
+#[must_use]
+pub fn is_known(file: &str, line: u32) -> bool {
+    let law = format!("{file}:{line}");
+    std::env::var("KNOWN_BROKEN").is_ok_and(|known| known.split(',').any(|name| name == law))
+}
+
 /// Panics with what a case was, as code, if a law does not hold.
 #[macro_export]
 macro_rules! law {
     ($case:expr, $holds:expr, $($what:tt)+) => {
-        if !$holds {
-            panic!("BROKEN {}\n{}", format_args!($($what)+), $case);
+        if !$holds && !$crate::is_known(file!(), line!()) {
+            panic!("BROKEN {}:{} {}\n{}", file!(), line!(), format_args!($($what)+), $case);
         }
     };
 }

@@ -81,6 +81,11 @@ impl Case {
         self.a.is_polytope() && self.b.is_polytope()
     }
 
+    /// Whether the two are the same in every number.
+    fn is_twins(&self) -> bool {
+        self.a.geometry.id() == self.b.geometry.id() && self.pose_a == self.pose_b
+    }
+
     fn has_mesh(&self) -> bool {
         let is_mesh = |made: &Made| matches!(made.geometry.form(), collision::shape::Form::Mesh(_));
         is_mesh(&self.a) || is_mesh(&self.b)

@@ -64,7 +64,7 @@ impl Moving<'_> {
         let is_unit = |normal: DVec3| (normal.length() - 1.0).abs() <= 1e-14;
         law!(self, found.normal_b_to_a.is_none_or(is_unit), "impact: {found:?}");
         law!(self, !found.initial || bound.lower == 0.0, "impact: {found:?}");
-        let most = 64 * u64::from(self.case.accuracy.budget) + 8192;
+        let most = 64 * u64::from(self.case.accuracy.budget) + 65_536;
         let iterations = u64::from(found.certificate.iterations);
         law!(self, self.case.has_mesh() || iterations <= most, "impact: {iterations} iterations: {found:?}");
         if found.certificate.verdict == Verdict::Hit {
@@ -117,10 +117,10 @@ impl Moving<'_> {
         let (a, b) = (self.case.b(), self.case.a());
         let back = narrow::linear_impact(a, b, &motion, &self.case.accuracy, &mut Work::default());
         let key = |found: &ImpactTouch| {
-            (found.fraction, found.certificate.bound, found.certificate.verdict, found.initial)
+            (found.fraction, found.certificate.bound, found.certificate.verdict)
         };
         law!(self, found.map(key) == back.as_ref().map(key), "impact {found:?}, swapped {back:?}");
-        if self.case.has_mesh() {
+        if self.case.has_mesh() || self.case.is_twins() {
             return;
         }
         let normals = (found.map(|found| found.normal_b_to_a), back.map(|back| back.normal_b_to_a.map(|n| -n)));
