@@ -112,10 +112,9 @@ impl Case {
         }
         for face in &topology.faces {
             let corner = |index: usize| self.vertex(face.vertices[index % face.vertices.len()]);
-            let mut is_plane_known = false;
             for index in 0..face.vertices.len() {
                 let [a, b, c] = [corner(index), corner(index + 1), corner(index + 2)];
-                is_plane_known |= has_area(a, b, c);
+                law!(self, has_area(a, b, c), "{face:?} goes straight on from {index}");
                 for &vertex in self.hull.vertices() {
                     law!(self, side(a, b, c, vertex) >= 0.0, "{} is outside of {face:?}", vector_code(vertex));
                 }
@@ -123,7 +122,6 @@ impl Case {
                     law!(self, side(a, b, c, self.vertex(other)) == 0.0, "{other} is not in the plane of {face:?}");
                 }
             }
-            law!(self, is_plane_known, "{face:?} has all corners in a line");
         }
     }
 
@@ -145,11 +143,13 @@ impl Case {
         law!(self, found == first, "farthest along {along}: {found}, in truth {first}");
         let walked = hull.climb(direction, start % count);
         let from_table = hull.climb(direction, hull.support_start(direction));
-        let is_same = walked == from_table || direction == DVec3::ZERO;
+        let is_in_range = self.points.iter().chain([&direction]).all(|&point| expansion::is_in_range(point));
+        let is_decided = direction != DVec3::ZERO && is_in_range;
+        let is_same = walked == from_table || !is_decided;
         law!(self, is_same, "climb along {along}: {walked} from {start}, {from_table} from the table");
         let support = hull.support(direction);
         law!(self, support < count, "support along {along}: {support}");
-        if !expansion::is_in_range(direction) || !self.points.iter().all(|&point| expansion::is_in_range(point)) {
+        if !is_in_range {
             return;
         }
         let exact = ExactVector::difference(direction, DVec3::ZERO);

@@ -34,6 +34,11 @@ pub const SQUARE_MIN: f64 = 1e-276;
 /// `geometry_mesh.rs`, slivers.
 pub const CROSS_PRODUCT: f64 = 12.0 * ROUNDING;
 
+/// A triangle's `a × b` that is smaller than this part of `max|a|·max|b|`, 2⁻⁴⁰, is found by exact sums. Where it is larger, the
+/// products of two roundings that the first order leaves out are less than 2⁻⁶⁴ of it. Larger: more triangles take exact sums.
+/// Smaller: the normals of needles lean. Test: `convex/hull.rs`, needles.
+pub const SLIVER_CROSS: f64 = 8192.0 * ROUNDING;
+
 /// A coordinate of a rotated point is off by less than this part of the point's reach. The unit quaternion's components
 /// are right to 6 roundings, the matrix' entries to 32 (the diagonal, `1 - (yy + zz)`, is the worst), a row has at most
 /// √3 of the reach as the sum of absolute values, and the product adds 4 more: 32·√3 + 4·√3 < 64. Larger: boxes are

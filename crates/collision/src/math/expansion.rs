@@ -15,7 +15,7 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use super::exact::{two_product, two_sum};
+use super::exact::{self, two_product, two_sum};
 use crate::tolerance;
 
 /// An exact number.
@@ -128,6 +128,22 @@ impl ExactVector {
     pub fn is_in_range(&self) -> bool {
         self.0.iter().flat_map(|component| &component.terms).all(|&term| is_size(term))
     }
+}
+
+/// `(b - a) × (c - a)` of a triangle, each component to within a few roundings of the longest component, however thin the
+/// triangle is: what the two differences lose is taken into account to first order, and to all orders where no more is
+/// left than that.
+#[must_use]
+pub fn triangle_cross([a, b, c]: [DVec3; 3]) -> DVec3 {
+    let lost = |to: DVec3| DVec3::from_array([0, 1, 2].map(|axis| two_sum(to[axis], -a[axis]).1));
+    let (along, across) = (b - a, c - a);
+    let cross = exact::cross(along, across) + (along.cross(lost(c)) + lost(b).cross(across));
+    let largest = along.abs().max_element() * across.abs().max_element();
+    if cross.abs().max_element() > tolerance::SLIVER_CROSS * largest {
+        return cross;
+    }
+    let exact = ExactVector::difference(b, a).cross(&ExactVector::difference(c, a));
+    DVec3::from_array(exact.0.map(|component| component.estimate()))
 }
 
 /// Whether products of four such components stay exact: each is 0 or of a size within the limits

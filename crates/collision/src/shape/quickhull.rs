@@ -100,9 +100,25 @@ fn farthest_off_plane(points: &[DVec3], base: [usize; 3]) -> Option<usize> {
 
 /// The two ends of points on a line, by the coordinate in which the line is longest.
 fn line_ends(points: &[DVec3], [a, b]: [usize; 2]) -> [u32; 2] {
-    let along = points[b] - points[a];
-    let ends = [index_of_max(points, |_, p| -p.dot(along)), index_of_max(points, |_, p| p.dot(along))];
+    let along = (points[b] - points[a]).abs();
+    let axis = along.max_position();
+    let ends = [index_of_max(points, |_, p| -p[axis]), index_of_max(points, |_, p| p[axis])];
     ends.map(|end| index_u32(end.unwrap_or(0)))
+}
+
+/// The sides of a face in order, each by its tail with what is beyond it.
+fn outline(border: &[Side]) -> Vec<(usize, usize)> {
+    let mut sides = Vec::with_capacity(border.len());
+    let mut at = 0;
+    for _ in 0..border.len() {
+        let (tail, head, beyond) = border[at];
+        sides.push((tail, beyond));
+        match border.binary_search_by_key(&head, |&(tail, _, _)| tail) {
+            Ok(next) if next != 0 => at = next,
+            Ok(_) | Err(_) => break,
+        }
+    }
+    sides
 }
 
 /// A triangle of the surface under construction.
@@ -290,20 +306,21 @@ impl<'a> Builder<'a> {
         for (left, border) in borders.iter_mut().enumerate() {
             border.sort_unstable();
             let left = index_u32(left);
-            let mut outline = Vec::with_capacity(border.len());
-            let mut at = 0;
-            for _ in 0..border.len() {
-                let (tail, head, beyond) = border[at];
-                outline.push(index_u32(tail));
+            let sides = outline(border);
+            // Between two sides with one face beyond them lies a point of an edge, which is no corner: the two planes meet in
+            // a line.
+            let corners: Vec<(usize, usize)> = (0..sides.len())
+                .filter(|&i| sides[i].1 != sides[(i + sides.len() - 1) % sides.len()].1)
+                .map(|i| sides[i])
+                .collect();
+            for (i, &(tail, beyond)) in corners.iter().enumerate() {
+                let (head, _) = corners[(i + 1) % corners.len()];
                 let right = face_of_group[beyond];
                 if left < right {
                     edges.push(Edge { start: index_u32(tail), end: index_u32(head), left, right });
                 }
-                match border.binary_search_by_key(&head, |&(tail, _, _)| tail) {
-                    Ok(next) if next != 0 => at = next,
-                    Ok(_) | Err(_) => break,
-                }
             }
+            let outline = corners.into_iter().map(|(corner, _)| index_u32(corner)).collect();
             faces.push(Face::of(self.points, outline));
         }
         Topology { span: Span::Solid, faces, edges }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::math::{exact, try_unit};
+use crate::math::{expansion, try_unit};
 
 /// How a hull is made up. Lower-dimensional hulls answer every question that solid ones do.
 #[derive(Debug)]
@@ -82,7 +82,7 @@ fn polygon_normal(points: &[DVec3], outline: &[u32]) -> DVec3 {
     let count = outline.len();
     let third = (count / 3).max(1);
     let candidates = (0..count).flat_map(|i| [[i, i + 1, i + 2], [i, i + third, i + 2 * third]]);
-    let largest = candidates.map(|[i, j, k]| exact::cross(corner(j) - corner(i), corner(k) - corner(i))).fold(
+    let largest = candidates.map(|[i, j, k]| expansion::triangle_cross([corner(i), corner(j), corner(k)])).fold(
         DVec3::ZERO,
         |best, normal| {
             if normal.length_squared() > best.length_squared() { normal } else { best }

@@ -2,6 +2,7 @@
 
 use collision::{
     DVec3,
+    math::expansion::ExactVector,
     shape::{Hull, Span},
 };
 
@@ -81,6 +82,74 @@ fn a_segment_ends_at_its_outermost_points() {
     let mut ends = [hull.vertices()[edge.start as usize].x, hull.vertices()[edge.end as usize].x];
     ends.sort_by(f64::total_cmp);
     assert_eq!(ends, [-0.5, 1.0]);
+    // Found by a random search: ends that are an ulp apart were told apart by rounded products.
+    let line = [-3.625, 1.5, 3.5755597248348683, 3.5755597248348687].map(DVec3::splat);
+    for points in [line, line.map(|point| -point)] {
+        let edge = Hull::new(&points).topology().edges[0];
+        assert_eq!((edge.start.min(edge.end), edge.start.max(edge.end)), (0, 3));
+    }
+}
+
+/// Found by a random search: with rounded differences the sides of these have no area, and their normals were guessed. Rays
+/// then touched the first of them 0.8 m off its surface.
+#[test]
+fn needles_thinner_than_rounding_have_the_normals_of_their_sides() {
+    let points = [
+        DVec3::new(2.3232803344726563, 0.17334890365600575, 0.4815526008605956),
+        DVec3::new(-0.32328033447265636, 1.8266510963439941, 1.5184473991394043),
+        DVec3::splat(0.9999999999999999),
+        DVec3::new(-1.6465606689453125, 2.6533021926879883, 2.0368947982788086),
+        DVec3::new(3.6465606689453125, -0.6533021926879884, -0.036894798278808705),
+    ];
+    let mut noise = Noise(37);
+    let mut needles = vec![points.to_vec()];
+    for _ in 0..200 {
+        let (start, way) = (noise.vector(), noise.vector());
+        needles.push((0..12).map(|_| start + way * noise.signed()).collect());
+    }
+    let mut solid = 0;
+    for points in needles {
+        let hull = Hull::new(&points);
+        solid += u32::from(hull.topology().span == Span::Solid);
+        for face in &hull.topology().faces {
+            let corner = |index: usize| hull.vertices()[face.vertices[index] as usize];
+            for index in 1..face.vertices.len() {
+                let side = ExactVector::difference(corner(index), corner(0));
+                let normal = ExactVector::difference(face.normal, DVec3::ZERO);
+                let lean = side.dot(&normal).estimate() / (corner(index) - corner(0)).length();
+                assert!(lean.abs() < 4.0 * f64::EPSILON, "{face:?} leans by {lean}");
+            }
+        }
+    }
+    assert!(solid > 150, "{solid}");
+}
+
+/// Found by a random search: points on an edge between two faces were corners of both, and a walk over the edges ended there.
+#[test]
+fn points_on_edges_are_no_corners_and_hold_no_walk_up() {
+    let mut noise = Noise(41);
+    for _ in 0..200 {
+        let points: Vec<DVec3> = (0..40).map(|_| (noise.vector() * 2.5).round()).collect();
+        let hull = Hull::new(&points);
+        if hull.topology().span != Span::Solid {
+            continue;
+        }
+        assert_is_solid_hull(&hull);
+        for face in &hull.topology().faces {
+            let count = face.vertices.len();
+            let corner = |index: usize| hull.vertices()[face.vertices[index % count] as usize];
+            for index in 0..count {
+                let turn = (corner(index + 1) - corner(index)).cross(corner(index + 2) - corner(index + 1));
+                assert_ne!(turn, DVec3::ZERO, "{face:?} goes straight on after {index}");
+            }
+        }
+        for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+            let highest = hull.vertices()[hull.farthest(axis) as usize].dot(axis);
+            for start in 0..hull.vertices().len() as u32 {
+                assert_eq!(hull.vertices()[hull.climb(axis, start) as usize].dot(axis), highest, "{points:?}");
+            }
+        }
+    }
 }
 
 /// The faces of a hull by their vertices, whatever the scale was.
