@@ -89,7 +89,8 @@ fn plain(numbers: &mut Numbers<'_>) -> (Result<Geometry, GeometryError>, String)
             (Geometry::ellipsoid(radii), format!("Geometry::ellipsoid({})", vector_code(radii)))
         }
         10 => {
-            let (normal, offset) = (if numbers.byte() & 1 == 0 { numbers.direction() } else { numbers.vector() }, numbers.number());
+            let (normal, offset) =
+                (if numbers.byte() & 1 == 0 { numbers.direction() } else { numbers.vector() }, numbers.number());
             (Geometry::half_space(normal, offset), format!("Geometry::half_space({}, {offset:?})", vector_code(normal)))
         }
         11 | 12 => mesh(numbers),

@@ -38,6 +38,13 @@ pub fn check(bytes: &[u8]) {
     case.simplified(1 + numbers.below(16), numbers.number().abs());
 }
 
+/// The case that these bytes make, as code.
+#[must_use]
+pub fn describe(bytes: &[u8]) -> String {
+    let points = points(&mut Numbers::new(bytes), 64);
+    Case { hull: Hull::new(&points), points }.to_string()
+}
+
 struct Case {
     points: Vec<DVec3>,
     hull: Hull,

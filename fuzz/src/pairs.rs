@@ -27,6 +27,12 @@ pub fn check(bytes: &[u8]) {
     motion::check(&case, numbers);
 }
 
+/// The case that these bytes make, as code.
+#[must_use]
+pub fn describe(bytes: &[u8]) -> String {
+    Case::new(&mut Numbers::new(bytes)).map_or_else(String::new, |case| case.to_string())
+}
+
 /// A pair and what is asked.
 pub struct Case {
     a: Made,

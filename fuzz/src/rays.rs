@@ -33,6 +33,12 @@ pub fn check(bytes: &[u8]) {
     case.as_a_moving_point(&touches);
 }
 
+/// The case that these bytes make, as code.
+#[must_use]
+pub fn describe(bytes: &[u8]) -> String {
+    Case::new(&mut Numbers::new(bytes)).map_or_else(String::new, |case| case.to_string())
+}
+
 struct Case {
     form: Made,
     pose: Pose,
@@ -59,10 +65,13 @@ impl Case {
         let pose = numbers.pose();
         let on_form = |numbers: &mut Numbers<'_>| {
             let bounds = form.geometry.local_bounds();
-            let pick = [0, 1, 2].map(|axis| [bounds.min[axis], 0.0, bounds.max[axis], bounds.min[axis]][numbers.below(4)]);
+            let pick =
+                [0, 1, 2].map(|axis| [bounds.min[axis], 0.0, bounds.max[axis], bounds.min[axis]][numbers.below(4)]);
             let vertices = match form.geometry.form() {
                 Form::Mesh(mesh) => mesh.vertices(),
-                Form::Convex(collision::shape::Convex { core: collision::shape::Core::Hull(hull), .. }) => hull.vertices(),
+                Form::Convex(collision::shape::Convex { core: collision::shape::Core::Hull(hull), .. }) => {
+                    hull.vertices()
+                }
                 _ => &[],
             };
             let vertex = vertices.get(numbers.below(vertices.len().clamp(1, 256)));
@@ -70,7 +79,9 @@ impl Case {
         };
         let origin = match numbers.below(5) {
             0 => on_form(numbers),
-            1 => pose.position + numbers.direction() * form.geometry.reach().min(1e12) * f64::from(numbers.byte()) / 64.0,
+            1 => {
+                pose.position + numbers.direction() * form.geometry.reach().min(1e12) * f64::from(numbers.byte()) / 64.0
+            }
             2 => pose.position + numbers.vector(),
             3 => pose.position - numbers.direction() * [1.0, 64.0, 1e4, 1e9, 1e11][numbers.below(5)],
             _ => numbers.vector(),
@@ -186,13 +197,15 @@ impl Case {
         let reach = self.extent();
         let probe = Geometry::point();
         for step in -2..=8 {
-            let way = if step < 0 { foot + f64::from(step + 1) * 0.25 * reach } else { free_until * f64::from(step) / 8.0 };
+            let way =
+                if step < 0 { foot + f64::from(step + 1) * 0.25 * reach } else { free_until * f64::from(step) / 8.0 };
             if !(self.ray.min_distance..free_until).contains(&way) || way > 1e13 {
                 continue;
             }
             let point = self.ray.origin + unit * way;
             let probe = Placed { geometry: &probe, pose: Pose::at(point) };
-            let found = narrow::penetration(probe, self.target(), 0.0, &Accuracy::of(Tier::Exact), &mut Work::default());
+            let found =
+                narrow::penetration(probe, self.target(), 0.0, &Accuracy::of(Tier::Exact), &mut Work::default());
             for contact in found.iter().flatten() {
                 let slack = self.slack(way);
                 law!(self, contact.certificate.bound.lower <= slack, "inside at {way:?}: {contact:?}, {touches:?}");
@@ -233,7 +246,11 @@ impl Case {
         let steps = (2.0 * distance / length).max(f64::MIN_POSITIVE).log2().ceil().exp2();
         let way = self.ray.direction * steps;
         let is_exact = |axis: usize| {
-            way[axis] / steps == self.ray.direction[axis] && two_sum(self.ray.origin[axis], way[axis]).1 == 0.0
+            // What is subnormal counts as nothing beside the rest.
+            self.ray.direction[axis] == 0.0 && way[axis] == 0.0
+                || self.ray.direction[axis].abs() > 1e-290
+                    && way[axis] / steps == self.ray.direction[axis]
+                    && two_sum(self.ray.origin[axis], way[axis]).1 == 0.0
         };
         let end = self.ray.origin + way;
         let is_in_limits = end.abs().max_element() <= 1e12;
@@ -259,7 +276,11 @@ impl Case {
         let Some(found) = found else { panic!("BROKEN a point never touches, the ray does: {touch:?}\n{self}") };
         let bound = found.certificate.bound;
         let slack = 1e-14 * length;
-        law!(self, bound.lower * length <= touch.certificate.bound.upper + slack, "a point {found:?}, the ray {touch:?}");
+        law!(
+            self,
+            bound.lower * length <= touch.certificate.bound.upper + slack,
+            "a point {found:?}, the ray {touch:?}"
+        );
         // The plane of a triangle is felt by a point, not by a ray that lies in it.
         if found.certificate.verdict == Verdict::Hit && !matches!(self.form.geometry.form(), Form::Mesh(_)) {
             let meet = bound.upper * length >= touch.certificate.bound.lower - slack;

@@ -116,9 +116,7 @@ impl Moving<'_> {
         let motion = Motion { displacement_a: displacement_b, displacement_b: displacement_a, initial };
         let (a, b) = (self.case.b(), self.case.a());
         let back = narrow::linear_impact(a, b, &motion, &self.case.accuracy, &mut Work::default());
-        let key = |found: &ImpactTouch| {
-            (found.fraction, found.certificate.bound, found.certificate.verdict)
-        };
+        let key = |found: &ImpactTouch| (found.fraction, found.certificate.bound, found.certificate.verdict);
         law!(self, found.map(key) == back.as_ref().map(key), "impact {found:?}, swapped {back:?}");
         if self.case.has_mesh() || self.case.is_twins() {
             return;

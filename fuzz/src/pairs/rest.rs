@@ -119,7 +119,12 @@ fn is_sound(case: &Case, question: &str, certificate: &Certificate) {
     let most = 4 * u64::from(case.accuracy.budget) + 2048;
     // A mesh counts those of all its triangles, separating axes are counted one by one and not by the budget.
     let is_counted = !case.has_mesh() && certificate.method != Method::SeparatingAxes;
-    law!(case, !is_counted || u64::from(iterations) <= most, "{question}: {iterations} iterations for {:?}", case.accuracy);
+    law!(
+        case,
+        !is_counted || u64::from(iterations) <= most,
+        "{question}: {iterations} iterations for {:?}",
+        case.accuracy
+    );
     let contains = |value: f64| bound.contains(value);
     match question {
         "overlap" => {
@@ -175,12 +180,7 @@ fn separation(case: &Case, found: &Separation) {
 }
 
 /// A point lies in a form, as far as planes along some directions tell.
-fn is_in(
-    case: &Case,
-    (convex, pose): (&collision::shape::Convex, &collision::math::Pose),
-    point: DVec3,
-    slack: f64,
-) {
+fn is_in(case: &Case, (convex, pose): (&collision::shape::Convex, &collision::math::Pose), point: DVec3, slack: f64) {
     let from = point - pose.position;
     let directions = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE, DVec3::new(1.0, -1.0, 0.0), from];
     for direction in directions.into_iter().flat_map(|direction| [direction, -direction]) {
@@ -253,7 +253,8 @@ fn swapped(case: &Case, there: &Known) {
         let same = one.as_ref().map(key) == other.as_ref().map(key);
         law!(case, same, "distance {one:?}, swapped {other:?}");
         let ends = |found: &Separation| (found.point_on_a, found.point_on_b, found.normal_b_to_a);
-        let turned = |found: &Separation| (found.point_on_b, found.point_on_a, found.normal_b_to_a.map(|normal| -normal));
+        let turned =
+            |found: &Separation| (found.point_on_b, found.point_on_a, found.normal_b_to_a.map(|normal| -normal));
         law!(case, one.as_ref().map(ends) == other.as_ref().map(turned), "distance {one:?}, swapped {other:?}");
     }
     let key = |found: &Depth| (found.depth, found.certificate, found.point_on_a, found.normal_b_to_a);

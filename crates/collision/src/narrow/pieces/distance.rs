@@ -4,7 +4,7 @@ use std::convert::Infallible;
 
 use smallvec::SmallVec;
 
-use super::{Side, Surface};
+use super::{Side, Surface, is_swapped};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Verdict, Work},
@@ -38,17 +38,6 @@ pub(in crate::narrow) fn distance(
         (Side::Surface(a), Side::Surface(b)) => surfaces(&a, &b, &mut nearest, accuracy, work),
     }
     nearest.merged()
-}
-
-/// Two meshes are asked in the order of their content and poses, so that swapping them swaps the answer.
-fn is_swapped(a: &Surface<'_>, b: &Surface<'_>) -> bool {
-    let key = |surface: &Surface<'_>| {
-        let pose = surface.whole.pose;
-        let [x, y, z] = pose.position.to_array();
-        let [i, j, k, w] = pose.rotation.to_array();
-        (surface.whole.geometry.id(), [x, y, z, i, j, k, w].map(f64::to_bits))
-    };
-    key(b) < key(a)
 }
 
 fn surfaces(a: &Surface<'_>, b: &Surface<'_>, nearest: &mut Nearest, accuracy: &Accuracy, work: &mut Work) {

@@ -50,6 +50,17 @@ impl<'a> Side<'a> {
     }
 }
 
+/// Two meshes are asked in the order of their content and poses, so that swapping them swaps the answer.
+fn is_swapped(a: &Surface<'_>, b: &Surface<'_>) -> bool {
+    let key = |surface: &Surface<'_>| {
+        let pose = surface.whole.pose;
+        let [x, y, z] = pose.position.to_array();
+        let [i, j, k, w] = pose.rotation.to_array();
+        (surface.whole.geometry.id(), [x, y, z, i, j, k, w].map(f64::to_bits))
+    };
+    key(b) < key(a)
+}
+
 impl Surface<'_> {
     /// A triangle as a convex form in the mesh's frame.
     fn piece(&self, triangle: usize) -> Convex {

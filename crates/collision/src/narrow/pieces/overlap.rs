@@ -2,7 +2,7 @@
 
 use std::{convert::Infallible, ops::ControlFlow};
 
-use super::{Side, Surface};
+use super::{Side, Surface, is_swapped};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Method, Stop, Verdict, Work},
@@ -23,7 +23,9 @@ pub(in crate::narrow) fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accura
             touching.search(a, &b, accuracy, work);
         }
         (Side::Surface(a), Side::Surface(b)) => {
-            let (a, b) = if b.mesh.triangles().len() < a.mesh.triangles().len() { (b, a) } else { (a, b) };
+            let counts = (a.mesh.triangles().len(), b.mesh.triangles().len());
+            let is_turned = counts.1 < counts.0 || counts.0 == counts.1 && is_swapped(&a, &b);
+            let (a, b) = if is_turned { (b, a) } else { (a, b) };
             let near_b = a.box_of_surface(&b);
             let Ok(()) = a.mesh.tree().visit_box(near_b, work, |work, leaf| {
                 let piece = a.piece(leaf as usize);

@@ -57,7 +57,7 @@ pub(super) struct LocalRay {
     pub extent: f64,
     /// Touches nearer than this do not count. Metres along the ray.
     pub first: f64,
-    /// Nor do touches farther than this.
+    /// Nor do touches farther than this, a distance that touches surely do not reach where the ray is endless.
     pub last: f64,
     /// The ray without any rounding, where the target is not turned and the difference of positions is exact.
     pub exact: Option<ExactRay>,
@@ -104,11 +104,12 @@ impl LocalRay {
             foot: from_center + direction * shift,
             direction,
             shift,
-            error: frame_error + tolerance::RAY_KERNEL * extent,
+            // What is subnormal has rounding that is no part of it.
+            error: frame_error + tolerance::RAY_KERNEL * extent + f64::MIN_POSITIVE,
             direction_error,
             extent,
             first: ray.min_distance,
-            last: ray.max_distance,
+            last: ray.max_distance.min((shift + 2.0 * extent).max(ray.min_distance)),
             exact: (!turned && lost == DVec3::ZERO && exact.is_in_range()).then_some(exact),
             still: [0, 1, 2].map(is_still),
             center: target.center,
@@ -132,10 +133,12 @@ impl LocalRay {
         turned + pose.position + DVec3::ZERO
     }
 
-    /// Takes a local unit vector into the world.
+    /// Takes a local vector into the world as a unit vector; one of no length, as that of a point on the very ray, becomes
+    /// that towards where the ray comes from.
     pub(super) fn normal_to_world(&self, normal: DVec3) -> DVec3 {
-        let turned = self.axes.map_or(normal, |axes| axes * normal);
-        turned.try_unit().unwrap_or(DVec3::ZERO) + DVec3::ZERO
+        let unit = normal.try_unit().unwrap_or(-self.direction);
+        let turned = self.axes.map_or(unit, |axes| axes * unit);
+        turned.try_unit().unwrap_or(unit) + DVec3::ZERO
     }
 }
 

@@ -63,7 +63,8 @@ struct Range {
 impl Range {
     fn new(height: Height) -> Self {
         let best = height.value.high;
-        let error = height.error + ROUNDING * best.abs();
+        // What is subnormal has rounding that is no part of it.
+        let error = height.error + ROUNDING * best.abs() + f64::MIN_POSITIVE;
         let (lower, upper) = (best - error, best + error);
         let sign = if lower > 0.0 {
             Some(Ordering::Greater)
@@ -131,10 +132,12 @@ fn crossing(height: Range, climb: Range, normal: DVec3) -> Option<Crossing> {
 fn quotient(a: Range, b: Range) -> (f64, Bound) {
     let over = |value: f64, small: f64, large: f64| match value {
         0.0 => 0.0,
-        _ => value / if value > 0.0 { small } else { large },
+        // Never by −0, which would turn the sign.
+        _ => value / (if value > 0.0 { small } else { large } + 0.0),
     };
     let (lower, upper) = (over(a.lower, b.upper, b.lower), over(a.upper, b.lower, b.upper));
-    let rounding = |value: f64| (1.0 - STEP_SHORTENING) * value.abs();
+    // Finite, so that no bound that is infinite becomes no number.
+    let rounding = |value: f64| (1.0 - STEP_SHORTENING) * value.abs().min(f64::MAX);
     let bound = Bound::new(lower - rounding(lower), upper + rounding(upper));
     ((over(a.best, b.best, b.best)).clamp(bound.lower, bound.upper), bound)
 }

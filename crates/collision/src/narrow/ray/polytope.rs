@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     answer::{Bound, Method, Stop},
-    math::Norm,
+    math::{Norm, expansion::triangle_cross},
     shape::{Hull, Span},
 };
 
@@ -85,7 +85,7 @@ pub(super) fn polygon(ray: &LocalRay, corners: impl Iterator<Item = DVec3> + Clo
 
 /// Twice the area, along the normal.
 fn area_vector(corners: impl Iterator<Item = DVec3> + Clone, first: DVec3) -> DVec3 {
-    let fan = corners.clone().zip(corners.skip(1)).map(|(a, b)| (a - first).cross(b - first));
+    let fan = corners.clone().zip(corners.skip(1)).map(|(a, b)| triangle_cross([first, a, b]));
     fan.sum()
 }
 
