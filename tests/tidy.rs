@@ -53,7 +53,7 @@ fn files(folder: &str, ending: &str) -> Vec<String> {
 }
 
 fn rust_files() -> Vec<String> {
-    let folders = ["src", "crates", "clients", "tests", "benches", "examples"];
+    let folders = ["src", "crates", "clients", "tests", "benches", "examples", "fuzz"];
     folders.into_iter().filter(|folder| root().join(folder).is_dir()).flat_map(|folder| files(folder, ".rs")).collect()
 }
 

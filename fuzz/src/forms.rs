@@ -34,6 +34,12 @@ impl Made {
         }
     }
 
+    /// Whether there is a radius around its core.
+    #[must_use]
+    pub fn is_rounded(&self) -> bool {
+        self.convex().is_some_and(|convex| convex.radius > 0.0)
+    }
+
     /// Whether it is convex with flat faces or a point or a segment, with any radius.
     #[must_use]
     pub fn is_polytope(&self) -> bool {

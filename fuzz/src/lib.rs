@@ -19,9 +19,10 @@ pub fn is_known(file: &str, line: u32) -> bool {
 /// Panics with what a case was, as code, if a law does not hold.
 #[macro_export]
 macro_rules! law {
-    ($case:expr, $holds:expr, $($what:tt)+) => {
-        if !$holds && !$crate::is_known(file!(), line!()) {
+    ($case:expr, $holds:expr, $($what:tt)+) => {{
+        let holds: bool = $holds;
+        if !holds && !$crate::is_known(file!(), line!()) {
             panic!("BROKEN {}:{} {}\n{}", file!(), line!(), format_args!($($what)+), $case);
         }
-    };
+    }};
 }
