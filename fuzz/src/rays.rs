@@ -271,8 +271,14 @@ impl Case {
         if !is_exact {
             return;
         }
-        let motion = Motion { displacement_a: way, displacement_b: DVec3::ZERO, initial: InitialTouch::Counts };
-        let found = narrow::linear_impact(probe, self.target(), &motion, &self.accuracy, &mut Work::default());
+        let motion = Motion {
+            displacement_a: way,
+            displacement_b: DVec3::ZERO,
+            rotation_a: DVec3::ZERO,
+            rotation_b: DVec3::ZERO,
+            initial: InitialTouch::Counts,
+        };
+        let found = narrow::impact(probe, self.target(), &motion, &self.accuracy, &mut Work::default());
         let Some(found) = found else { panic!("BROKEN a point never touches, the ray does: {touch:?}\n{self}") };
         let bound = found.certificate.bound;
         let slack = 1e-14 * length;

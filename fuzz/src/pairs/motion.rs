@@ -1,7 +1,7 @@
-//! First touches of a pair in motion.
+//! First touches of a pair in motion, turning or not.
 
 use collision::{
-    DVec3,
+    DQuat, DVec3,
     answer::{Bound, Verdict, Work},
     math::Pose,
     narrow::{self, ImpactTouch, InitialTouch, Motion, Placed},
@@ -24,9 +24,17 @@ pub(super) fn check(case: &Case, numbers: &mut Numbers<'_>) {
     };
     let displacement_b = if numbers.below(3) == 0 { numbers.vector() } else { DVec3::ZERO };
     let initial = if numbers.below(4) == 0 { InitialTouch::IsIgnored } else { InitialTouch::Counts };
-    let motion = Motion { displacement_a, displacement_b, initial };
+    let mut turn = || match numbers.below(6) {
+        0 => numbers.direction(),
+        1 => numbers.direction() * f64::from(numbers.byte()) / 16.0,
+        2 => numbers.vector() / case.extent().max(1e-9),
+        _ => DVec3::ZERO,
+    };
+    let short = |turn: DVec3| if turn.length() <= 16.0 { turn } else { DVec3::ZERO };
+    let (rotation_a, rotation_b) = (short(turn()), short(turn()));
+    let motion = Motion { displacement_a, displacement_b, rotation_a, rotation_b, initial };
     let moving = Moving { case, motion };
-    let found = narrow::linear_impact(case.a(), case.b(), &motion, &case.accuracy, &mut Work::default());
+    let found = narrow::impact(case.a(), case.b(), &motion, &case.accuracy, &mut Work::default());
     moving.is_sound(found.as_ref());
     moving.way_is_free(found.as_ref());
     moving.is_symmetric(found.as_ref());
@@ -39,11 +47,15 @@ struct Moving<'a> {
 
 impl std::fmt::Display for Moving<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Motion { displacement_a, displacement_b, initial } = self.motion;
+        let Motion { displacement_a, displacement_b, rotation_a, rotation_b, initial } = self.motion;
         let (a, b) = (vector_code(displacement_a), vector_code(displacement_b));
+        let turns = format!("rotation_a: {}, rotation_b: {}", vector_code(rotation_a), vector_code(rotation_b));
         let initial = format!("InitialTouch::{initial:?}");
         write!(f, "{}", self.case)?;
-        writeln!(f, "    let motion = Motion {{ displacement_a: {a}, displacement_b: {b}, initial: {initial} }};")
+        writeln!(
+            f,
+            "    let motion = Motion {{ displacement_a: {a}, displacement_b: {b}, {turns}, initial: {initial} }};"
+        )
     }
 }
 
@@ -51,7 +63,8 @@ impl Moving<'_> {
     /// What a touch by rounding alone may amount to, metres.
     fn slack(&self) -> f64 {
         let way = self.motion.displacement_a.length() + self.motion.displacement_b.length();
-        1e-12 * (self.case.extent() + way) + self.case.world_rounding()
+        let turn = self.motion.rotation_a.length() + self.motion.rotation_b.length();
+        1e-12 * (self.case.extent() * (1.0 + turn) + way) + self.case.world_rounding()
     }
 
     fn is_sound(&self, found: Option<&ImpactTouch>) {
@@ -92,9 +105,17 @@ impl Moving<'_> {
     }
 
     fn at(&self, time: f64) -> (Placed<'_>, Placed<'_>) {
-        let moved = |pose: &Pose, way: DVec3| Pose::new(pose.position + way * time, pose.rotation);
-        let a = self.case.a.at(moved(&self.case.pose_a, self.motion.displacement_a));
-        (a, self.case.b.at(moved(&self.case.pose_b, self.motion.displacement_b)))
+        let moved = |pose: &Pose, way: DVec3, turn: DVec3| {
+            let position = pose.position + way * time;
+            let rotation = match turn {
+                DVec3::ZERO => pose.rotation,
+                turn => DQuat::from_scaled_axis(turn * time) * pose.unit_rotation(),
+            };
+            Pose::new(position, rotation)
+        };
+        let Motion { displacement_a, displacement_b, rotation_a, rotation_b, .. } = self.motion;
+        let a = self.case.a.at(moved(&self.case.pose_a, displacement_a, rotation_a));
+        (a, self.case.b.at(moved(&self.case.pose_b, displacement_b, rotation_b)))
     }
 
     fn distance_at(&self, time: f64) -> f64 {
@@ -112,10 +133,16 @@ impl Moving<'_> {
     }
 
     fn is_symmetric(&self, found: Option<&ImpactTouch>) {
-        let Motion { displacement_a, displacement_b, initial } = self.motion;
-        let motion = Motion { displacement_a: displacement_b, displacement_b: displacement_a, initial };
+        let Motion { displacement_a, displacement_b, rotation_a, rotation_b, initial } = self.motion;
+        let motion = Motion {
+            displacement_a: displacement_b,
+            displacement_b: displacement_a,
+            rotation_a: rotation_b,
+            rotation_b: rotation_a,
+            initial,
+        };
         let (a, b) = (self.case.b(), self.case.a());
-        let back = narrow::linear_impact(a, b, &motion, &self.case.accuracy, &mut Work::default());
+        let back = narrow::impact(a, b, &motion, &self.case.accuracy, &mut Work::default());
         let key = |found: &ImpactTouch| (found.fraction, found.certificate.bound, found.certificate.verdict);
         if self.case.has_mesh() {
             // Of which mesh the triangles are looked through first decides what is left open, never what is proved.
