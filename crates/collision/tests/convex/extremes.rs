@@ -1,4 +1,5 @@
-//! Extremes of the convex kernels: the failures of other engines, tiny and far shapes, degenerate ones.
+//! Extremes of the convex kernels: tiny and far shapes, degenerate ones. The failures of other engines stand in
+//! `peers_failures.rs`.
 
 use crate::random::{Body, Noise};
 use collision::{
@@ -27,47 +28,6 @@ fn contact(a: &Body, b: &Body) -> Contact {
 
 fn distance(a: &Body, b: &Body) -> f64 {
     narrow::distance(a.placed(), b.placed(), f64::INFINITY, &EXACT, &mut Work::default()).expect("no limit").distance
-}
-
-#[test]
-fn a_ball_dropped_on_a_wide_slab_lands_in_time() {
-    for half in [1e3, 5e3, 1e6] {
-        let slab =
-            Body { geometry: Geometry::cuboid(DVec3::new(half, 1.0, half)).expect("a size"), pose: Pose::IDENTITY };
-        let ball = ball(0.5, DVec3::new(0.3 * half, 11.5, -0.7 * half));
-        let motion = Motion {
-            displacement_a: DVec3::new(0.0, -20.0, 0.0),
-            displacement_b: DVec3::ZERO,
-            initial: InitialTouch::Counts,
-            ..narrow::Motion::default()
-        };
-        let touch = narrow::impact(ball.placed(), slab.placed(), &motion, &EXACT, &mut Work::default());
-        let fraction = touch.expect("it lands").fraction;
-        assert!((fraction - 0.5).abs() * 20.0 < 1e-14 * half, "{fraction}");
-    }
-}
-
-#[test]
-fn small_cubes_keep_their_gaps_and_depths() {
-    for edge in [1e-2, 1e-3, 1e-5, 1e-7] {
-        let gap = edge / 10.0;
-        let apart = cube(edge / 2.0, DVec3::X * (edge + gap));
-        let here = cube(edge / 2.0, DVec3::ZERO);
-        assert!((distance(&here, &apart) - gap).abs() < 1e-14 * edge);
-        let within = cube(edge / 2.0, DVec3::X * (edge - gap));
-        assert!((contact(&here, &within).depth - gap).abs() < 1e-14 * edge);
-    }
-}
-
-#[test]
-fn concentric_forms_have_their_full_depth() {
-    let cubes = contact(&cube(0.5, DVec3::ZERO), &cube(0.5, DVec3::ZERO));
-    assert!((cubes.depth - 1.0).abs() < 1e-15);
-    let balls = contact(&ball(1.0, DVec3::ONE), &ball(0.5, DVec3::ONE));
-    assert!((balls.depth - 1.5).abs() < 1e-15);
-    let capsule = Body { geometry: Geometry::capsule(2.0, 0.25).expect("sizes"), pose: Pose::IDENTITY };
-    assert!((contact(&capsule, &capsule).depth - 0.5).abs() < 1e-15);
-    assert!((contact(&capsule, &ball(0.5, DVec3::ZERO)).depth - 0.75).abs() < 1e-15);
 }
 
 #[test]
