@@ -13,6 +13,9 @@ use crate::{law, support};
 /// Widest interval of a pair of polytopes at the exact tier, and what witnesses may be off by, as a part of the extent.
 const WIDTH: f64 = 1e-11;
 
+/// Lengths whose squares leave the range of f64 count as nothing, metres.
+const NOTHING: f64 = 1e-138;
+
 pub(super) fn check(case: &Case) {
     let known = Known::ask(case);
     known.agree(case);
@@ -83,7 +86,11 @@ impl Known {
         }
         for (name, one) in &intervals {
             for (other_name, other) in &intervals {
-                law!(case, one.lower <= other.upper, "{name} {one:?} and {other_name} {other:?} have no common value");
+                law!(
+                    case,
+                    one.lower <= other.upper + NOTHING,
+                    "{name} {one:?} and {other_name} {other:?} have no common value"
+                );
             }
         }
         let upper = intervals.iter().map(|(_, bound)| bound.upper).fold(f64::INFINITY, f64::min);
@@ -161,8 +168,7 @@ fn separation(case: &Case, found: &Separation) {
     law!(case, found.point_on_a.is_finite() && found.point_on_b.is_finite(), "distance: {found:?}");
     law!(case, found.normal_b_to_a.is_none_or(is_unit), "distance: {found:?}");
     law!(case, found.normal_b_to_a.is_some() == (found.distance > 0.0), "distance: {found:?}");
-    // Lengths whose squares leave the range of f64 count as nothing.
-    let slack = 1e-12 * case.extent() + case.world_rounding() + 1e-138;
+    let slack = 1e-12 * case.extent() + case.world_rounding() + NOTHING;
     let apart = found.point_on_a.distance(found.point_on_b);
     law!(case, apart >= bound.lower - slack, "distance: the points are {apart} apart: {found:?}");
     if case.accuracy == Accuracy::of(Tier::Exact) && found.certificate.stop == Stop::Converged {
@@ -201,7 +207,7 @@ fn depth(case: &Case, found: &Depth) {
     law!(case, found.point_on_a.is_finite() && found.point_on_b.is_finite(), "depth: {found:?}");
     let (Some(a), Some(b)) = (case.a.convex(), case.b.convex()) else { return };
     let (a, b) = ((a, &case.pose_a), (b, &case.pose_b));
-    let slack = 1e-12 * case.extent() + 1e-138;
+    let slack = 1e-12 * case.extent() + NOTHING;
     // The width along any direction is at least the depth.
     let apart = (found.point_on_a - found.point_on_b).try_normalize().unwrap_or(DVec3::X);
     for normal in [found.normal_b_to_a, apart, DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
