@@ -127,19 +127,19 @@ pub(super) fn overlapping(pair: &Pair<'_>, gap: &Gap, budget: u32, is_enough: im
     let by_form = by_formula.as_ref().map_or(f64::NEG_INFINITY, |found| -found.upper);
     let floor = by_form.max(inscribed::depth_lower(pair) - radius);
     let grown = epa::depth(pair, &gap.simplex, floor, rest, |lower, upper| is_enough(lower + radius, upper + radius));
-    if let (Some(grown), Some(found)) = (&grown, &by_formula)
-        && found.width() < grown.upper - grown.lower
-    {
-        let iterations = grown.iterations.saturating_add(1);
-        return Touch { stop: grown.stop, iterations, ..Touch::by_formula(found, radius) };
-    }
-    match grown {
+    let touch = match grown {
         Some(grown) if grown.stop != Stop::Converged || grown.upper - grown.lower <= DEPTH_WIDTH => {
             Touch::by_polytope(grown, radius)
         }
         // All axes of round cores are too many.
         Some(grown) if !axes::is_bounded(pair) => Touch::by_polytope(grown, radius),
         _ => Touch::by_axes(axes::depth(pair), radius),
+    };
+    match by_formula.map(|found| Touch::by_formula(&found, radius)) {
+        Some(found) if found.upper < touch.upper => {
+            Touch { lower: touch.lower, stop: touch.stop, iterations: touch.iterations, ..found }
+        }
+        _ => touch,
     }
 }
 

@@ -72,13 +72,15 @@ pub(super) fn depth(
     is_enough: impl Fn(f64, f64) -> bool,
 ) -> Option<Penetration> {
     let mut growth = Growth { pair, floor, budget, iterations: 0, lower: f64::NEG_INFINITY, best: Best::NONE };
-    let mut stop = growth.run(tetrahedron(pair, start)?, &is_enough);
+    let mut stop = tetrahedron(pair, start).map(|start| growth.run(start, &is_enough));
     // A surface that could not grow on was built among vertices too close together: another begins with vertices far apart.
-    for toward in [DVec3::X, growth.best.normal] {
-        if stop == Stop::Converged && growth.width() > DEPTH_WIDTH {
-            stop = growth.run(tetrahedron(pair, &Simplex::of(gjk::support(pair, toward)))?, &is_enough);
+    for toward in [DVec3::X, DVec3::Y, growth.best.normal] {
+        if stop.is_none_or(|stop| stop == Stop::Converged && growth.width() > DEPTH_WIDTH) {
+            let start = tetrahedron(pair, &Simplex::of(gjk::support(pair, toward)));
+            stop = start.map(|start| growth.run(start, &is_enough)).or(stop);
         }
     }
+    let stop = stop?;
     let Growth { best, lower, iterations, .. } = growth;
     Some(Penetration {
         best: best.width,

@@ -24,7 +24,7 @@ use super::{
 };
 use crate::{
     answer::{Method, Stop},
-    math::Norm,
+    math::{Norm, exact},
     tolerance::PAIR_ROUNDING,
 };
 
@@ -201,7 +201,8 @@ fn feature_normal(features: &Simplex, toward: DVec3) -> DVec3 {
             once - along * along.dot(once)
         }
         [a, b, c] => {
-            let normal = (b.point - a.point).cross(c.point - a.point);
+            // Of slivers no digit may be lost.
+            let normal = exact::cross(b.point - a.point, c.point - a.point);
             normal * normal.dot(toward).signum()
         }
         _ => toward,

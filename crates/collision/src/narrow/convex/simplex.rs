@@ -21,7 +21,10 @@
 use glam::DVec3;
 
 use super::body::Corner;
-use crate::{math::Norm, tolerance::CROSS_BLUR};
+use crate::{
+    math::{Norm, exact},
+    tolerance::{CROSS_BLUR, SMALL_AREA},
+};
 
 /// A vertex of the Minkowski difference `a − b` and where it comes from: `b`'s point is that of `a` less the vertex.
 #[derive(Clone, Copy, Debug)]
@@ -235,10 +238,15 @@ fn segment(p: &[DVec3; 4], [i, j]: [usize; 2]) -> Part {
 
 fn triangle(p: &[DVec3; 4], [i, j, k]: [usize; 3]) -> Part {
     let [a, b, c] = [p[i], p[j], p[k]];
-    let normal = (b - a).cross(c - a);
+    let (along_b, along_c) = (b - a, c - a);
+    let plain = along_b.cross(along_c);
+    // Of slivers no digit may be lost: beside a narrow gap the point would lie aside by more than the gap.
+    let is_small = plain.length_squared() <= SMALL_AREA * SMALL_AREA;
+    let cross = if is_small { exact::cross } else { DVec3::cross };
+    let normal = if is_small { exact::cross(along_b, along_c) } else { plain };
     // What a corner weighs is the area that the foot of the origin spans with the side across from it. The foot itself is not
     // needed: it lies along the normal, where it adds nothing to these products.
-    let areas = [b.cross(c).dot(normal), c.cross(a).dot(normal), a.cross(b).dot(normal)];
+    let areas = [cross(b, c).dot(normal), cross(c, a).dot(normal), cross(a, b).dot(normal)];
     let inside = areas.map(|part| part > 0.0);
     let sum = areas[0] + areas[1] + areas[2];
     if inside == [true; 3] && sum.is_normal() {
