@@ -40,7 +40,7 @@ fn upright(turn: u64) -> DQuat {
     let spins = [[0.0, 1.0], [3.0, 4.0], [-5.0, 12.0], [1.0, 0.0]];
     let [y, w] = spins[(turn / 2 % 4) as usize];
     let spin = DQuat::from_xyzw(0.0, y, 0.0, w);
-    if turn % 2 == 0 { spin } else { spin * DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0) }
+    if turn.is_multiple_of(2) { spin } else { spin * DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0) }
 }
 
 /// The truth lies in the interval of the depth and in that of the overlap, to within `slack`, and both are narrow.

@@ -25,6 +25,8 @@ pub struct KindReport {
     pub undecided: usize,
     /// Pairs with anything wrong.
     pub failed: usize,
+    /// Those of them whose intervals hold the truth and are wider than they should be, no more.
+    pub wide: usize,
     /// Pairs for each kind of fault.
     by_fault: [usize; FaultKind::ALL.len()],
     distance_widths: Vec<f64>,
@@ -43,6 +45,8 @@ impl KindReport {
         self.overlaps += usize::from(outcome.overlaps);
         self.undecided += usize::from(outcome.is_undecided);
         self.failed += usize::from(!outcome.faults.is_empty());
+        let is_wide_only = outcome.faults.iter().all(|fault| fault.kind == FaultKind::Width);
+        self.wide += usize::from(is_wide_only && !outcome.faults.is_empty());
         self.blurred += usize::from(outcome.blur > BLURRED);
         self.distance_widths.extend(outcome.distance_width);
         self.depth_widths.extend(outcome.depth_width);
@@ -58,6 +62,7 @@ impl KindReport {
         self.overlaps += other.overlaps;
         self.undecided += other.undecided;
         self.failed += other.failed;
+        self.wide += other.wide;
         self.blurred += other.blurred;
         self.distance_widths.extend(other.distance_widths);
         self.depth_widths.extend(other.depth_widths);
