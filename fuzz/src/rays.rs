@@ -150,6 +150,11 @@ impl Case {
     }
 
     fn is_on_the_surface(&self, touch: &RayTouch) {
+        // Forms whose size has no square count as nothing, wherever they are.
+        let reach = self.form.geometry.reach();
+        if reach > 0.0 && reach < 1e-138 {
+            return;
+        }
         let slack = self.slack(touch.distance);
         let off = self.apart(touch.point);
         let width = if touch.certificate.bound.width().is_finite() { touch.certificate.bound.width() } else { 0.0 };

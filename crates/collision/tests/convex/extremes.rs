@@ -200,3 +200,18 @@ fn a_sliver_proves_no_depth_that_is_not_there() {
     // The width along one direction, measured by the support functions of the corners as sent.
     assert!(bound.lower <= 2.0055992422385316e-9 && bound.upper >= 2.0055992422385316e-9, "{bound:?}");
 }
+
+#[test]
+fn a_plate_and_a_crumb_converge_to_a_narrow_distance() {
+    // Found by the fuzz target: the search ended after two rounds with an interval of 0.16 m, and said that it converged.
+    let p = DVec3::new;
+    let hull = |points: &[DVec3], pose: Pose| Body { geometry: Geometry::hull(points).expect("points"), pose };
+    let turn = DQuat::from_xyzw(0.0, -1.0, -1.0, -1.0);
+    let plate = [p(1.0, -1e9, -1.0), p(1.0, 1e9, -1.0), p(1.0, -1e9, 1.0), p(1.0, 1e9, 1.0)];
+    let plate = hull(&plate, Pose::new(p(0.0, -0.6796875, 0.0), turn));
+    let crumb = [p(0.0, -1e-9, -1e-9), p(0.0, 1e-9, -1e-9), p(0.0, -1e-9, 1e-9), p(0.0, 1e-9, 1e-9)];
+    let crumb = hull(&crumb, Pose::IDENTITY);
+    let found = narrow::distance(plate.placed(), crumb.placed(), f64::INFINITY, &EXACT, &mut Work::default());
+    let bound = found.expect("no limit").certificate.bound;
+    assert!(bound.width() < 1e-12 * 1e9, "{bound:?}");
+}

@@ -3,6 +3,7 @@
 mod contact;
 mod ellipsoid;
 mod extremes;
+mod found;
 mod half_space;
 mod half_space_ray;
 mod hull;

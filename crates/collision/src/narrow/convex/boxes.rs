@@ -26,7 +26,7 @@ use crate::{
     answer::{Method, Stop},
     math::Norm,
     shape::Core,
-    tolerance::{DEPTH_WIDTH, PAIR_ROUNDING},
+    tolerance::{DEPTH_WIDTH, PAIR_ROUNDING, SQUARE_MIN},
 };
 
 /// How often a point is taken from one box to the other: one to three times unless they overlap in a wedge only.
@@ -181,7 +181,8 @@ impl Boxes {
             for (on_a, axis) in axes {
                 let length = axis.norm();
                 let quick = axis.dot(p).abs() - axis.abs().dot(half_a) - reach_b[on_a];
-                if quick + 2.0 * PAIR_ROUNDING < best.separation * length || length <= 0.0 {
+                // Edges parallel to within what has a square span no axis.
+                if quick + 2.0 * PAIR_ROUNDING < best.separation * length || length * length < SQUARE_MIN {
                     continue;
                 }
                 self.measure_edges(best, axis / length, [on_a, on_b]);

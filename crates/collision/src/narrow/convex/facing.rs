@@ -50,7 +50,7 @@ impl Facing {
 /// The face, edge or corner of a core that looks along `direction`.
 pub(super) fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
     match body.core {
-        Core::Cuboid { .. } => cuboid_face(body, direction),
+        Core::Cuboid { half_extents } => cuboid_face(body, *half_extents, direction),
         Core::Hull(hull) => hull_face(body, hull, direction).unwrap_or_else(|| Facing::corner(body, direction)),
         Core::Segment { .. } if is_across(body.turn(DVec3::Y), direction) => {
             Facing { corners: smallvec![body.corner(0), body.corner(1)], is_flat: true }
@@ -113,7 +113,8 @@ fn line(body: &Body<'_>, start: DVec3, end: DVec3) -> Facing {
     Facing { corners: (0..).zip([start, end]).map(corner).collect(), is_flat: true }
 }
 
-fn cuboid_face(body: &Body<'_>, direction: DVec3) -> Facing {
+/// The face that looks along a direction most; of a plate seen along its plane, or of a stick, what is left of it.
+fn cuboid_face(body: &Body<'_>, half_extents: DVec3, direction: DVec3) -> Facing {
     let local = body.to_local(direction);
     let size = local.abs();
     let axis = if size.x >= size.y && size.x >= size.z {
@@ -125,10 +126,15 @@ fn cuboid_face(body: &Body<'_>, direction: DVec3) -> Facing {
     };
     let high = u32::from(local[axis] > 0.0) << axis;
     let (second, third) = (1u32 << ((axis + 1) % 3), 1u32 << ((axis + 2) % 3));
-    let corners = [0, second, second | third, third].map(|rest| body.corner(high | rest));
-    let corners = Corners::from_slice(&corners);
     let mut lean = local;
     lean[axis] = 0.0;
+    let mut flat = 0;
+    for side in (0..3).filter(|&side| side != axis && half_extents[side] == 0.0) {
+        flat |= 1u32 << side;
+        lean[side] = 0.0;
+    }
+    let rests = [0, second, second | third, third].into_iter().filter(|rest| rest & flat == 0);
+    let corners = rests.map(|rest| body.corner(high | rest)).collect();
     Facing { corners, is_flat: lean.norm() <= FLAT_CONTACT_SINE }
 }
 

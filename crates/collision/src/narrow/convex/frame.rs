@@ -8,7 +8,11 @@
 use glam::{DMat3, DVec3};
 
 use super::{PlacedConvex, body::Body};
-use crate::{answer::Bound, math::Norm, shape::Convex};
+use crate::{
+    answer::Bound,
+    math::Norm,
+    shape::{Convex, Core},
+};
 
 /// Two cores in one frame.
 pub(super) struct Pair<'a> {
@@ -36,8 +40,8 @@ impl<'a> Pair<'a> {
             position: position * scale,
             scale,
         };
-        // Forms that are turned alike have exactly no relative rotation.
-        let is_turned = a.pose.rotation != b.pose.rotation;
+        // Forms that are turned alike have exactly no relative rotation, and of a point none shows.
+        let is_turned = a.pose.rotation != b.pose.rotation && !matches!(b.convex.core, Core::Point);
         let rotation = if is_turned { axes.transpose() * b.pose.matrix() } else { DMat3::IDENTITY };
         Self {
             a: body(a.convex, false, DMat3::IDENTITY, DVec3::ZERO),

@@ -70,15 +70,15 @@ pub(super) fn gap_warm(
     budget: u32,
     is_enough: impl Fn(f64, f64) -> bool,
 ) -> Gap {
-    if let Some(gap) = rods::gap(pair).or_else(|| boxes::gap(pair)).or_else(|| formula::gap(pair)) {
+    if let Some(gap) = rods::gap(pair).or_else(|| formula::gap(pair)) {
         return gap;
     }
-    let known = seed.and_then(|seed| seed.simplex(pair));
-    let search = match known {
-        Some(simplex) => Search { pair, simplex, lower: 0.0, normal: DVec3::ZERO, iterations: 0 },
-        None => Search::cold(pair),
-    };
-    let gap = search.run(budget, is_enough);
+    let by_axes = if seed.is_none() { boxes::gap(pair) } else { None };
+    let gap = by_axes.unwrap_or_else(|| {
+        let known = seed.and_then(|seed| seed.simplex(pair));
+        let started = |simplex| Search { pair, simplex, lower: 0.0, normal: DVec3::ZERO, iterations: 0 };
+        known.map_or_else(|| Search::cold(pair), started).run(budget, is_enough)
+    });
     *seed = Some(Seed::of(&gap));
     gap
 }

@@ -18,7 +18,7 @@ use super::{
     frame::Pair,
     simplex::Vertex,
 };
-use crate::math::Norm;
+use crate::{math::Norm, tolerance::SQUARE_MIN};
 
 /// A pair of points, on the surfaces of the rounded forms, in the pair's frame.
 pub(super) struct Point {
@@ -62,8 +62,12 @@ pub(super) fn points(pair: &Pair<'_>, touch: &Touch) -> Points {
 
 /// Where two forms are deepest in each other, or nearest: on the surfaces of the rounded forms, in the pair's frame.
 pub(super) fn deepest(pair: &Pair<'_>, touch: &Touch) -> (DVec3, DVec3) {
-    let is_face_of_a = || facing(&pair.a, -touch.normal).is_flat_face();
-    let (on_a, on_b) = on_cores(pair, touch, is_face_of_a);
+    // Of two faces a corner of one may lie far beside the other.
+    if touch.witnesses.is_none() && touch.edges.is_none() {
+        let deepest = &points(pair, touch)[0];
+        return (deepest.on_a, deepest.on_b);
+    }
+    let (on_a, on_b) = on_cores(pair, touch, || false);
     (on_a - touch.normal * pair.a.radius, on_b + touch.normal * pair.b.radius)
 }
 
@@ -184,7 +188,16 @@ fn area_sign(p: &Point, q: &Point, r: &Point, normal: DVec3) -> f64 {
 
 /// The one point of a touch that is no flat one.
 fn single(pair: &Pair<'_>, touch: &Touch) -> Point {
-    let (on_a, on_b) = on_cores(pair, touch, || facing(&pair.a, -touch.normal).is_flat_face());
+    let facing_a = || facing(&pair.a, -touch.normal);
+    let is_known = touch.witnesses.is_some() || touch.edges.is_some();
+    let lines = if is_known { None } else { Some([facing_a(), facing(&pair.b, touch.normal)]) };
+    let (on_a, on_b) = match &lines {
+        // Plates edge on: their faces are lines, which cross.
+        Some([a, b]) if a.corners.len() == 2 && b.corners.len() == 2 => {
+            nearest_of_lines([a.corners[0], a.corners[1]], [b.corners[0], b.corners[1]])
+        }
+        _ => on_cores(pair, touch, || facing_a().is_flat_face()),
+    };
     let [name_a, name_b] = touch.features.unwrap_or_else(|| {
         [pair.a.support(-touch.normal).index, pair.b.support(touch.normal).index].map(|index| name(&[index]))
     });
@@ -214,11 +227,19 @@ fn name(corners: &[u32]) -> u16 {
     }
 }
 
-/// The nearest points of the lines through two edges that are not parallel.
+/// The nearest points of the lines through two edges, or of edges that are parallel to within what has a square.
 fn nearest_of_lines([p, q]: [Corner; 2], [r, s]: [Corner; 2]) -> (DVec3, DVec3) {
     let (u, v, w) = (q.point - p.point, s.point - r.point, p.point - r.point);
     let across = u.cross(v);
     let area = across.length_squared();
+    if area < SQUARE_MIN {
+        let onto = |start: DVec3, way: DVec3, point: DVec3| {
+            let share = (point - start).dot(way) / way.length_squared().max(SQUARE_MIN);
+            start + way * share.clamp(0.0, 1.0)
+        };
+        let on_second = onto(r.point, v, p.point);
+        return (onto(p.point, u, on_second), on_second);
+    }
     let on_first = (v.cross(w).dot(across) / area).clamp(0.0, 1.0);
     let on_second = (u.cross(w).dot(across) / area).clamp(0.0, 1.0);
     (p.point + u * on_first, r.point + v * on_second)

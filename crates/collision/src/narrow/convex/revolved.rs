@@ -52,14 +52,19 @@ pub(super) fn signed(pair: &Pair<'_>) -> Option<Signed> {
     let touch = Difference::of(&a, &b.upside_down()).touch(meridian.point)?;
     let normal = DVec3::ZERO - meridian.out(touch.outward);
     let rounding = PAIR_ROUNDING + lean * b.reach();
-    // Inside, the formula alone proves how far the boundary is at least.
-    let upper = touch.signed + if touch.signed < 0.0 { PAIR_ROUNDING + rounding } else { rounding };
+    let (on_a, on_b) = (meridian.out(touch.on_a), pair.b.position - meridian.out(touch.on_b));
+    // Inside, the formula alone proves how far the boundary is at least; outside, the two points are no nearer than the forms.
+    let upper = if touch.signed < 0.0 {
+        touch.signed + PAIR_ROUNDING + rounding
+    } else {
+        touch.signed.max((on_a - on_b).norm()) + rounding
+    };
     Some(Signed {
         lower: plane(pair, normal).min(upper),
         upper,
         normal,
-        on_a: meridian.out(touch.on_a),
-        on_b: pair.b.position - meridian.out(touch.on_b),
+        on_a,
+        on_b,
         common: meridian.out(common_point(&a, &b, meridian.point)),
         corners: [touch.feature; 2],
     })
@@ -228,7 +233,9 @@ impl Difference {
         let far = |look: &Look| if is_outside { look.distance } else { -look.height };
         let mut nearest = None::<(u32, &Look)>;
         for (number, look) in (0..).zip(&looks) {
+            // From outside only the edges that see the point count: of a flat form the far side may be as near.
             if let Some(look) = look
+                && (!is_outside || look.height > 0.0)
                 && nearest.is_none_or(|(_, least)| far(look) < far(least))
             {
                 nearest = Some((number, look));

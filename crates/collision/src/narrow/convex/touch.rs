@@ -37,6 +37,10 @@ pub(super) fn sign(a: PlacedConvex<'_>, b: PlacedConvex<'_>) -> Option<Ordering>
     if widest != Ordering::Greater {
         return Some(if radius.sign() == Ordering::Greater { Ordering::Less } else { widest });
     }
+    // Without a radius there is nothing to square, which would lose what is very small.
+    if radius.sign() == Ordering::Equal {
+        return Some(widest);
+    }
     let mut excess = Expansion::default();
     excess.add_product(&radius.negated(), &radius);
     for gap in gaps.iter().filter(|gap| gap.sign() == Ordering::Greater) {

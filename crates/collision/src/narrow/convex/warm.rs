@@ -50,10 +50,11 @@ impl Warm {
         self.contact = Some((question, contact));
     }
 
-    /// Where to begin, and where to leave what was found; nothing if the arguments go in another order now.
+    /// Where to begin, and where to leave what was found; the arguments' order belongs to it. What is to be asked again is
+    /// searched from the first time on, since a search leaves more to begin with than axes do.
     pub(super) fn seed(&mut self, is_swapped: bool) -> &mut Option<Seed> {
-        if self.is_swapped != is_swapped {
-            self.seed = None;
+        if self.seed.is_none() || self.is_swapped != is_swapped {
+            self.seed = Some(Seed::NOTHING);
             self.is_swapped = is_swapped;
         }
         &mut self.seed
@@ -70,6 +71,8 @@ pub(super) struct Seed {
 }
 
 impl Seed {
+    const NOTHING: Self = Self { corners: [[0; 2]; 4], count: 0, normal: DVec3::ZERO };
+
     /// What a search ended with.
     pub(super) fn of(gap: &Gap) -> Self {
         Self::at(&gap.simplex, gap.normal)
