@@ -25,7 +25,7 @@ pub const SLAB_SLACK: f64 = 8.0 * ROUNDING;
 /// A sum of squares above this has all its digits: the smallest normal number, with room for the digits of squares that
 /// are 2⁻⁵³ of the largest. Below it a length is taken as 0 where a lower bound is asked, and a vector
 /// has no direction: that is lengths of 1e-138 m. Smaller, and unit vectors have another length. Pinned by
-/// `what_has_a_direction_has_one_of_length_one` in `math/norm.rs`.
+/// `what_has_no_exact_square_has_no_unit_vector` in `math/norm.rs`.
 pub const SQUARE_MIN: f64 = 1e-276;
 
 /// A component of `a × b` is off by less than this part of `2·max|a|·max|b|`, the rounding of `a` and `b` themselves as
