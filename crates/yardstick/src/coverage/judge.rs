@@ -7,8 +7,11 @@ use collision::{
     narrow::{Contact, Separation},
 };
 
-use super::{ask::Answers, pairs::Question};
-use crate::oracle::{Truth, scale};
+use super::{
+    ask::{Answers, geometry},
+    pairs::Question,
+};
+use crate::oracle::{PlacedSolid, Truth, scale};
 
 /// What is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -295,8 +298,11 @@ impl Judge<'_> {
     }
 
     fn order(&mut self, there: &Answers, back: &Answers) {
-        // The same form at the same place twice: no swap can be told.
-        if self.question.a == self.question.b {
+        // The same form at the same place twice, under whatever name (an ellipsoid of equal half axes is a sphere): no swap can
+        // be told.
+        let (a, b) = (&self.question.a, &self.question.b);
+        let id = |placed: &PlacedSolid| geometry(&placed.solid).map(|geometry| geometry.id());
+        if a.position == b.position && a.rotation == b.rotation && id(a).ok() == id(b).ok() {
             return;
         }
         if there.overlap != back.overlap {

@@ -1,8 +1,8 @@
 //! Coverage: random and adversarial pairs of convex forms, each answer of the kernels held against the oracle's truth.
 //!
 //! # Map
-//! [`forms`] makes forms, [`pairs`] places two of them and says what is asked, [`ask`] asks the kernels in both orders,
-//! [`judge()`] compares with [`crate::oracle::Truth`], [`report`] counts by kinds, [`source`] writes what failed as a test
+//! `forms` makes forms, `pairs` places two of them and says what is asked, `ask` asks the kernels in both orders,
+//! `judge` compares with [`crate::oracle::Truth`], `report` counts by kinds, `source` writes what failed as a test
 //! to paste, [`run`] does it all on some threads.
 //!
 //! # What is checked
@@ -17,7 +17,7 @@
 //! * The returned normal of a depth has length 1 and the width along it does not exceed the upper bound (by 1e-13·s:
 //!   normals carry no bound).
 //! * Swapping the arguments swaps every byte of the answer.
-//! * Rays at one form ([`rays`]): the first touch lies in an interval that was answered, HIT and nothing are true, and what is
+//! * Rays at one form (`rays`): the first touch lies in an interval that was answered, HIT and nothing are true, and what is
 //!   open is so within 1e-11·s of a graze or a limit. The truth is the stretch of the line inside the form
 //!   ([`crate::oracle::stretch_inside`]).
 

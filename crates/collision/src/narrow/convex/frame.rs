@@ -12,6 +12,7 @@ use crate::{
     answer::Bound,
     math::Norm,
     shape::{Convex, Core},
+    tolerance::SQUARE_MIN,
 };
 
 /// Two cores in one frame.
@@ -30,7 +31,7 @@ impl<'a> Pair<'a> {
     pub(super) fn new(a: PlacedConvex<'a>, b: PlacedConvex<'a>, path: f64) -> Self {
         let axes = a.pose.matrix();
         let apart = b.pose.position - a.pose.position;
-        let extent = reach(a.convex) + reach(b.convex) + apart.norm() + path;
+        let extent = extent([a.convex, b.convex], apart, path);
         let scale = power_of_two_below_reciprocal(extent);
         let body = |convex: &'a Convex, is_turned, rotation, position: DVec3| Body {
             core: &convex.core,
@@ -96,16 +97,22 @@ impl<'a> Pair<'a> {
     }
 }
 
-fn reach(convex: &Convex) -> f64 {
-    convex.core.reach() + convex.radius
+/// How far the pair extends, to within a few roundings; or, where squares lack digits, up to √3 times as much.
+fn extent([a, b]: [&Convex; 2], apart: DVec3, path: f64) -> f64 {
+    let plain = a.core.reach() + a.radius + b.core.reach() + b.radius + apart.norm() + path;
+    if plain * plain >= SQUARE_MIN { plain } else { a.reach() + b.reach() + apart.abs().element_sum() + path }
 }
 
-/// The power of two that takes `extent` into [1, 2); 1 for 0.
+/// 2¹⁰⁰: of two points in one place.
+const POINT_SCALE: f64 = f64::from_bits((1023 + 100) << 52);
+
+/// The power of two that takes `extent` into [1, 2); for 0, where there is nothing to scale, one that makes errors of the
+/// frame none in the world.
 fn power_of_two_below_reciprocal(extent: f64) -> f64 {
     if extent == 0.0 {
-        return 1.0;
+        return POINT_SCALE;
     }
-    // The limits of sizes and coordinates keep the extent between 1e-9 and 1e13, so the exponent field is a normal one.
+    // Sizes and coordinates keep the extent below 1e13, so the exponent field of the result is a normal one.
     let exponent = (extent.to_bits() >> 52) & 0x7FF;
     f64::from_bits((2046 - exponent) << 52)
 }
