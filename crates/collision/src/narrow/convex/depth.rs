@@ -133,7 +133,8 @@ pub(super) fn overlapping(pair: &Pair<'_>, gap: &Gap, budget: u32, is_enough: im
         }
         // All axes of round cores are too many.
         Some(grown) if !axes::is_bounded(pair) => Touch::by_polytope(grown, radius),
-        _ => Touch::by_axes(axes::depth(pair), radius),
+        Some(grown) => Touch::by_axes(axes::depth(pair), radius).beside(Touch::by_polytope(grown, radius)),
+        None => Touch::by_axes(axes::depth(pair), radius),
     };
     match by_formula.map(|found| Touch::by_formula(&found, radius)) {
         Some(found) if found.upper < touch.upper => {
@@ -202,6 +203,16 @@ impl Touch {
             stop: depth.stop,
             iterations: depth.iterations,
         }
+    }
+
+    /// The shorter of two ways out. What the other proves from below holds for it too, unless that is more than this way out:
+    /// the faces of a hull that is flat but for rounding have no normals by which edges could be passed over.
+    fn beside(self, shorter: Self) -> Self {
+        if shorter.upper >= self.upper {
+            return self;
+        }
+        let lower = if self.lower <= shorter.upper { self.lower } else { f64::NEG_INFINITY };
+        Self { lower: shorter.lower.max(lower), stop: self.stop, ..shorter }
     }
 
     /// Takes in the exact sign of the signed distance, and says what it proves.
