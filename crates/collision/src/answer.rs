@@ -25,6 +25,18 @@ impl Bound {
         self.upper - self.lower
     }
 
+    /// What it proves of two forms if it bounds their signed distance: exact touch is a hit, NaN proves nothing.
+    #[must_use]
+    pub fn touch_verdict(self) -> Verdict {
+        if self.upper <= 0.0 {
+            Verdict::Hit
+        } else if self.lower > 0.0 {
+            Verdict::Miss
+        } else {
+            Verdict::Undecided
+        }
+    }
+
     /// Whether `value` lies in it. NaN does not.
     #[must_use]
     pub fn contains(self, value: f64) -> bool {

@@ -87,13 +87,7 @@ impl<'a> Judged<'a> {
         work.pairs_tested += 1;
         work.iterations += touch.as_ref().map_or(1, |touch| u64::from(touch.iterations));
         let mut touch = touch?;
-        let mut verdict = if touch.lower >= 0.0 {
-            Verdict::Hit
-        } else if touch.upper < 0.0 {
-            Verdict::Miss
-        } else {
-            Verdict::Undecided
-        };
+        let mut verdict = Bound::new(-touch.upper, -touch.lower).touch_verdict();
         if verdict == Verdict::Undecided
             && let Some(sign) = touch::sign(a, b)
         {
@@ -141,8 +135,7 @@ impl<'a> Judged<'a> {
 
     fn certificate(&self) -> Certificate {
         let Touch { lower, upper, method, stop, iterations, .. } = self.touch;
-        let Bound { lower, upper } = self.pair.bound_out(lower, upper);
-        Certificate { verdict: self.verdict, bound: Bound::new(lower, upper), method, stop, iterations }
+        Certificate { verdict: self.verdict, bound: self.pair.bound_out(lower, upper), method, stop, iterations }
     }
 }
 

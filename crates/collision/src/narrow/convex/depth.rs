@@ -89,7 +89,7 @@ pub(super) fn touch(pair: &Pair<'_>, ask: &Ask, seed: &mut Option<Seed>) -> Opti
 }
 
 /// Depth and normal where the gap of the cores is known; `None` if that is proved to be above `max_gap`.
-pub(super) fn touch_from(pair: &Pair<'_>, gap: &Gap, ask: &Ask) -> Option<Touch> {
+fn touch_from(pair: &Pair<'_>, gap: &Gap, ask: &Ask) -> Option<Touch> {
     let radius = pair.radius();
     if gap.lower - radius > ask.max_gap {
         return None;

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Certificate, Feature, Method, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
     math::Norm,
     narrow::Separation,
     tolerance::PAIR_ROUNDING,
@@ -82,14 +82,7 @@ pub(super) struct Signed {
 
 impl Signed {
     fn new(lower: f64, upper: f64, method: Method, stop: Stop, iterations: u32) -> Self {
-        let verdict = if upper <= 0.0 {
-            Verdict::Hit
-        } else if lower > 0.0 {
-            Verdict::Miss
-        } else {
-            Verdict::Undecided
-        };
-        Self { lower, upper, verdict, method, stop, iterations }
+        Self { lower, upper, verdict: Bound::new(lower, upper).touch_verdict(), method, stop, iterations }
     }
 
     /// What was proved of forms one of which was grown by `margin`, in the frame.

@@ -330,14 +330,7 @@ impl Signed {
     fn new(lower: f64, best: f64, upper: f64) -> Self {
         // Errors are parts of what they belong to, but below the normal numbers.
         let (lower, upper) = (lower - f64::MIN_POSITIVE, upper + f64::MIN_POSITIVE);
-        let verdict = if upper <= 0.0 {
-            Verdict::Hit
-        } else if lower > 0.0 {
-            Verdict::Miss
-        } else {
-            Verdict::Undecided
-        };
-        Self { lower, best, upper, verdict }
+        Self { lower, best, upper, verdict: Bound::new(lower, upper).touch_verdict() }
     }
 
     /// With what the exact sign proves.
