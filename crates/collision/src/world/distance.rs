@@ -94,14 +94,11 @@ impl Snapshot {
             question.ask(&subject, &other, accuracy, meter).into_iter().for_each(|neighbor| best.add(neighbor));
         } else {
             let sieve = Sieve::new(filter, subject.shape);
-            self.near(subject.bounds, question.max_distance, meter, |meter, entry| {
-                let least = distance_at_least(subject.bounds, entry.bounds);
-                if least <= best.limit() && sieve.passes(&entry.shape) {
+            self.near(subject.bounds, question.max_distance, meter, |meter, other| {
+                let least = distance_at_least(subject.bounds, other.bounds);
+                if least <= best.limit() && sieve.passes(&other) {
                     meter.look()?;
-                    question
-                        .ask(&subject, &Side::of(entry), accuracy, meter)
-                        .into_iter()
-                        .for_each(|neighbor| best.add(neighbor));
+                    question.ask(&subject, &other, accuracy, meter).into_iter().for_each(|neighbor| best.add(neighbor));
                 }
                 Ok(best.limit())
             })?;

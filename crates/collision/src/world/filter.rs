@@ -1,6 +1,6 @@
 //! Which shapes a question sees.
 
-use super::{Mobility, Shape, ShapeId};
+use super::{Mobility, Shape, ShapeId, search::Side};
 
 /// Which shapes a question sees: those with `(shape.layers & collides_with) != 0` and
 /// `(shape.collides_with & layers) != 0`, less the exclusions. If the asker is a shape of the world, absent masks are
@@ -48,8 +48,12 @@ impl<'a> Sieve<'a> {
         }
     }
 
-    /// Whether the asker sees a shape.
-    pub(super) fn passes(&self, shape: &Shape) -> bool {
+    /// Whether the asker sees a side; a form that is no shape of the world it sees.
+    pub(super) fn passes(&self, side: &Side<'_>) -> bool {
+        side.shape.is_none_or(|shape| self.lets_through(shape))
+    }
+
+    fn lets_through(&self, shape: &Shape) -> bool {
         let is_wanted = shape.layers & self.collides_with != 0 && shape.collides_with & self.layers != 0;
         let is_own = self.asker.is_some_and(|(id, group)| id == shape.id || (group != 0 && group == shape.group));
         let is_excluded = (self.filter.exclude_sensors && shape.sensor)

@@ -135,12 +135,12 @@ impl Snapshot {
         let bounds = turning_bounds(&subject, question.rotation);
         let path = sweep(bounds, question.displacement, DVec3::ZERO);
         let sieve = Sieve::new(filter, subject.shape);
-        self.along(&path, 1.0, meter, |meter, entry| {
+        self.along(&path, 1.0, meter, |meter, other| {
             let limit = gathered.limit().min(1.0);
-            let may_touch = path.entry(&entry.bounds, limit).is_some_and(|least| least <= limit);
-            if may_touch && !entry.shape.sensor && sieve.passes(&entry.shape) {
+            let may_touch = path.entry(&other.bounds, limit).is_some_and(|least| least <= limit);
+            if may_touch && !other.is_sensor() && sieve.passes(&other) {
                 meter.look()?;
-                gather(&mut gathered, question.ask(&subject, &Side::of(entry), accuracy, meter));
+                gather(&mut gathered, question.ask(&subject, &other, accuracy, meter));
             }
             Ok(gathered.limit())
         })?;

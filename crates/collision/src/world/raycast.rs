@@ -6,7 +6,6 @@ use super::{
     Filter, Found, HitMode, Meter, QuestionError, ShapeId, Snapshot,
     filter::Sieve,
     hits::{Gathered, Hit, raise},
-    search::Side,
 };
 use crate::{
     accuracy::Accuracy,
@@ -104,17 +103,17 @@ impl Snapshot {
         let track = Track::new(ray);
         let sieve = Sieve::new(filter, None);
         let mut gathered = Gathered::new(question.mode);
-        self.along(&track.path, track.limit(ray.max_distance), meter, |meter, entry| {
+        self.along(&track.path, track.limit(ray.max_distance), meter, |meter, other| {
             let limit = gathered.limit().min(ray.max_distance);
-            if let Some(least) = track.entry(entry.bounds, limit)
-                && sieve.passes(&entry.shape)
+            if let Some(least) = track.entry(other.bounds, limit)
+                && let Some(id) = other.id()
+                && sieve.passes(&other)
             {
                 meter.look()?;
-                let touches = narrow::raycast(ray, Side::of(entry).placed, accuracy, &mut meter.work);
+                let touches = narrow::raycast(ray, other.placed, accuracy, &mut meter.work);
                 let hit = |mut touch: RayTouch| {
                     raise(&mut touch.distance, &mut touch.certificate, least);
-                    let (id, user_data) = (entry.shape.id, entry.shape.user_data);
-                    RayHit { id, user_data, touch }
+                    RayHit { id, user_data: other.user_data(), touch }
                 };
                 gathered.add(touches.certain.map(hit), touches.undecided.map(hit));
             }

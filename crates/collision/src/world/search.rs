@@ -18,8 +18,9 @@ use crate::{
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side<'a> {
     pub(super) placed: Placed<'a>,
+    /// Where it is says `placed`, which for a past moment is made up; all else holds.
     pub(super) shape: Option<&'a Shape>,
-    /// Its canonical box.
+    /// Its canonical box where it is placed.
     pub(super) bounds: Aabb,
 }
 
@@ -40,6 +41,11 @@ impl<'a> Side<'a> {
     /// Its id, if it is a shape of the world.
     pub(super) fn id(&self) -> Option<ShapeId> {
         self.shape.map(|shape| shape.id)
+    }
+
+    /// Whether it blocks nothing.
+    pub(super) fn is_sensor(&self) -> bool {
+        self.shape.is_some_and(|shape| shape.sensor)
     }
 
     /// The shape's user data; 0 for a geometry.
@@ -82,6 +88,11 @@ impl Snapshot {
         }
     }
 
+    /// What is in a slot.
+    fn side_in(&self, slot: Slot) -> Side<'_> {
+        Side::of(self.state.shapes.entry(slot))
+    }
+
     /// What an asker sees of what touches `query`, by id.
     pub(super) fn seen_in(
         &self,
@@ -93,9 +104,9 @@ impl Snapshot {
         let sieve = Sieve::new(filter, asker);
         let mut seen = Vec::new();
         let mut see = |slot: Slot| {
-            let entry = self.state.shapes.entry(slot);
-            if entry.bounds.intersects(query) && sieve.passes(&entry.shape) {
-                seen.push(entry);
+            let side = self.side_in(slot);
+            if side.bounds.intersects(query) && sieve.passes(&side) {
+                seen.push(side);
             }
             Ok(ControlFlow::Continue(()))
         };
@@ -104,8 +115,8 @@ impl Snapshot {
             fixed.tree.visit_box(query, meter, |_, leaf| see(fixed.slot(leaf)))?;
         }
         self.state.moving.visit_box(query, meter, |_, leaf| see(Slot(leaf)))?;
-        seen.sort_unstable_by_key(|entry| entry.shape.id);
-        Ok(seen.into_iter().map(Side::of).collect())
+        seen.sort_unstable_by_key(Side::id);
+        Ok(seen)
     }
 
     /// Visits the shapes that `path` may enter at a `t` of at most `limit`. The visitor returns the new limit.
@@ -114,18 +125,16 @@ impl Snapshot {
         path: &Path,
         mut limit: f64,
         meter: &mut Meter<'m>,
-        mut visit: impl FnMut(&mut Meter<'m>, &Entry) -> Result<f64, QuestionError>,
+        mut visit: impl FnMut(&mut Meter<'m>, Side<'_>) -> Result<f64, QuestionError>,
     ) -> Result<(), QuestionError> {
         if self.state.static_count > 0 {
             let fixed = self.state.fixed();
             fixed.tree.visit_ray(path, limit, meter, |meter, leaf, _| {
-                limit = limit.min(visit(meter, self.state.shapes.entry(fixed.slot(leaf)))?);
+                limit = limit.min(visit(meter, self.side_in(fixed.slot(leaf)))?);
                 Ok(limit)
             })?;
         }
-        self.state
-            .moving
-            .visit_ray(path, limit, meter, |meter, leaf, _| visit(meter, self.state.shapes.entry(Slot(leaf))))
+        self.state.moving.visit_ray(path, limit, meter, |meter, leaf, _| visit(meter, self.side_in(Slot(leaf))))
     }
 
     /// Visits the shapes whose boxes may be within `limit` metres of `query`, in each tree the nearest first. The visitor
@@ -135,17 +144,15 @@ impl Snapshot {
         query: Aabb,
         mut limit: f64,
         meter: &mut Meter<'m>,
-        mut visit: impl FnMut(&mut Meter<'m>, &Entry) -> Result<f64, QuestionError>,
+        mut visit: impl FnMut(&mut Meter<'m>, Side<'_>) -> Result<f64, QuestionError>,
     ) -> Result<(), QuestionError> {
         if self.state.static_count > 0 {
             let fixed = self.state.fixed();
             fixed.tree.visit_nearest(query, limit, meter, |meter, leaf, _| {
-                limit = limit.min(visit(meter, self.state.shapes.entry(fixed.slot(leaf)))?);
+                limit = limit.min(visit(meter, self.side_in(fixed.slot(leaf)))?);
                 Ok(limit)
             })?;
         }
-        self.state
-            .moving
-            .visit_nearest(query, limit, meter, |meter, leaf, _| visit(meter, self.state.shapes.entry(Slot(leaf))))
+        self.state.moving.visit_nearest(query, limit, meter, |meter, leaf, _| visit(meter, self.side_in(Slot(leaf))))
     }
 }
