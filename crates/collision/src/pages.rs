@@ -42,6 +42,23 @@ impl<T: Clone + Default> Pages<T> {
         self.pages.iter().flat_map(|page| page.iter()).take(self.len)
     }
 
+    /// An item; `None` beyond the last.
+    pub(crate) fn get(&self, index: usize) -> Option<&T> {
+        (index < self.len).then(|| &self[index])
+    }
+
+    /// The indices, up to the longer's length, whose pages the two do not share.
+    pub(crate) fn unshared(&self, other: &Self) -> impl Iterator<Item = usize> {
+        let page_count = self.pages.len().max(other.pages.len());
+        let is_shared = |page: usize| match (self.pages.get(page), other.pages.get(page)) {
+            (Some(own), Some(others)) => Arc::ptr_eq(own, others),
+            _ => false,
+        };
+        let len = self.len.max(other.len);
+        let unshared = (0..page_count).filter(move |&page| !is_shared(page));
+        unshared.flat_map(move |page| page * PAGE..(page * PAGE + PAGE).min(len))
+    }
+
     /// Bytes it holds in memory, what it shares included, what items own elsewhere not.
     pub(crate) fn memory_bytes(&self) -> u64 {
         let page = PAGE * size_of::<T>() + 2 * size_of::<usize>();
@@ -81,5 +98,8 @@ mod tests {
         assert!(before.iter().copied().eq(0..1000));
         let shared = before.pages.iter().zip(&pages.pages).filter(|(a, b)| Arc::ptr_eq(a, b)).count();
         assert_eq!(shared, before.pages.len() - 2, "the pages of items 70 and 1000 were copied, no other");
+        let unshared = (64..128).chain(960..1001);
+        assert!(pages.unshared(&before).eq(unshared.clone()) && before.unshared(&pages).eq(unshared));
+        assert_eq!((before.get(999), before.get(1000), pages.get(1000)), (Some(&999), None, Some(&1000)));
     }
 }

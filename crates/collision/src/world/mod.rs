@@ -1,6 +1,7 @@
 //! A world is a sequence of immutable versions: [`World`] is the one writer, [`Snapshot`] a version that any number of
 //! readers question without waiting.
 
+mod changed;
 mod describe;
 mod directory;
 mod distance;
@@ -9,6 +10,7 @@ mod filter;
 mod hits;
 mod impact;
 mod overlap;
+mod pairs;
 mod penetration;
 mod question;
 mod raycast;
@@ -23,6 +25,7 @@ pub use edit::{Edit, EditError, EditFault, EditReport, EditRule, World};
 pub use filter::Filter;
 pub use impact::{Impact, TimeOfImpact};
 pub use overlap::{Overlap, OverlapHit};
+pub use pairs::{PAIRS_MAX, Pair, PairChanges, PairKeeper, Persisted, STEPS_MAX};
 pub use penetration::{Contact, Penetration};
 pub use question::{Found, HitMode, Meter, QuestionError, Subject};
 pub use raycast::{RayHit, Raycast};

@@ -68,6 +68,13 @@ pub enum QuestionError {
     /// Depth between two meshes needs convex parts.
     #[error("{} and the subject are both meshes without convex parts", .0.map_or("what it is tested against".into(), |id| format!("shape {id}")))]
     NeedsDecomposition(Option<ShapeId>),
+    /// More pairs overlap than a list holds, or telling which takes too many steps.
+    #[error(
+        "more than {} pairs overlap, or telling which takes more than {} steps",
+        super::PAIRS_MAX,
+        super::STEPS_MAX
+    )]
+    TooManyPairs,
     /// The caller's check said to stop.
     #[error("the question was interrupted")]
     Interrupted,

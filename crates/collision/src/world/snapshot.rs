@@ -59,6 +59,26 @@ pub struct Shape {
     pub angular_velocity: DVec3,
 }
 
+impl Shape {
+    /// A dynamic shape on the first layer that wants all others.
+    #[must_use]
+    pub fn new(id: ShapeId, geometry: Arc<Geometry>, pose: Pose) -> Self {
+        Self {
+            id,
+            geometry,
+            pose,
+            layers: 1,
+            collides_with: u32::MAX,
+            mobility: Mobility::Dynamic,
+            sensor: false,
+            group: 0,
+            user_data: 0,
+            velocity: DVec3::ZERO,
+            angular_velocity: DVec3::ZERO,
+        }
+    }
+}
+
 /// One version of a world. It never changes; any number of readers question it at once without waiting.
 #[derive(Debug)]
 pub struct Snapshot {

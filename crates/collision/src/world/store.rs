@@ -55,6 +55,19 @@ impl Store {
         }
     }
 
+    /// What is in a slot; `None` if it is free or beyond the last.
+    pub(super) fn get(&self, slot: Slot) -> Option<&Entry> {
+        match self.places.get(slot.0 as usize)? {
+            Place::Taken(entry) => Some(entry),
+            Place::Free(_) => None,
+        }
+    }
+
+    /// The slots, free or not, that may hold something else than in `other`: those of the pages not shared with it.
+    pub(super) fn unshared_slots(&self, other: &Self) -> impl Iterator<Item = Slot> {
+        self.places.unshared(&other.places).map(|index| Slot(index as u32))
+    }
+
     /// As [`Store::entry`], to change it.
     pub(super) fn entry_mut(&mut self, slot: Slot) -> &mut Entry {
         match &mut self.places[slot.0 as usize] {

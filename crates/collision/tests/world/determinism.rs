@@ -11,7 +11,7 @@ use crate::scene::{
 };
 
 /// The same shapes in another order, moved to where they are through other places, among others that are gone.
-fn by_detours(shapes: &[Shape], frame: Frame, random: &mut Random) -> World {
+pub(crate) fn by_detours(shapes: &[Shape], frame: Frame, random: &mut Random) -> World {
     let mut world = World::new(Time(0));
     let mut shuffled = shapes.to_vec();
     for last in (1..shuffled.len()).rev() {
@@ -45,7 +45,7 @@ fn by_detours(shapes: &[Shape], frame: Frame, random: &mut Random) -> World {
 }
 
 /// The last one is for the grid.
-const FRAMES: [Frame; 4] = [
+pub(crate) const FRAMES: [Frame; 4] = [
     Frame::UNIT,
     Frame { scale: 1e-3, origin: DVec3::new(1e3, -2e3, 0.0) },
     Frame { scale: 1e5, origin: DVec3::new(0.0, 7e8, -1e9) },

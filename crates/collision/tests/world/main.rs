@@ -4,6 +4,8 @@ mod determinism;
 mod edits;
 mod filters;
 mod half_spaces;
+mod pair_changes;
+mod pairs;
 mod questions;
 #[path = "../broad/random.rs"]
 mod random;

@@ -22,19 +22,7 @@ pub(crate) fn id(number: u64) -> ShapeId {
 
 /// A dynamic shape on layer 1 that wants all.
 pub(crate) fn shape(number: u64, geometry: Arc<Geometry>, pose: Pose) -> Shape {
-    Shape {
-        id: id(number),
-        geometry,
-        pose,
-        layers: 1,
-        collides_with: u32::MAX,
-        mobility: Mobility::Dynamic,
-        sensor: false,
-        group: 0,
-        user_data: number * 10,
-        velocity: DVec3::ZERO,
-        angular_velocity: DVec3::ZERO,
-    }
+    Shape { user_data: number * 10, ..Shape::new(id(number), geometry, pose) }
 }
 
 /// How large everything is, and where.

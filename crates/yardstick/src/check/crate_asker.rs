@@ -237,19 +237,9 @@ impl CrateStage {
             }
             Change::Move { actor, kind, pose: at } => {
                 self.kinds.insert(actor, kind);
-                Ok(Edit::Insert(Shape {
-                    id: id_of(actor)?,
-                    geometry: self.geometries.get(&actor_form(kind))?,
-                    pose: pose(&at),
-                    layers: 1,
-                    collides_with: u32::MAX,
-                    mobility: Mobility::Dynamic,
-                    sensor: false,
-                    group: 0,
-                    user_data: actor,
-                    velocity: DVec3::ZERO,
-                    angular_velocity: DVec3::ZERO,
-                }))
+                let geometry = self.geometries.get(&actor_form(kind))?;
+                let shape = Shape::new(id_of(actor)?, geometry, pose(&at));
+                Ok(Edit::Insert(Shape { user_data: actor, ..shape }))
             }
         }
     }
