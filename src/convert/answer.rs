@@ -3,7 +3,7 @@
 use collision::{
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
     narrow::ContactPoint,
-    world::{Contact, Found, Impact, Neighbor, OverlapHit, QuestionError, RayHit, ShapeId, Tick},
+    world::{Contact, Found, Impact, Neighbor, OverlapHit, PAIRS_MAX, Pair, QuestionError, RayHit, ShapeId, Tick},
 };
 use wire::v1 as pb;
 
@@ -87,6 +87,18 @@ pub(crate) fn distance(found: &Found<Neighbor>) -> Checked<pb::DistanceResponse>
     })
 }
 
+/// A part of a list of pairs; who sends it adds what was read.
+pub(crate) fn pairs(part: &[Pair]) -> pb::PairsResponse {
+    pb::PairsResponse {
+        pairs: Some(pb::PairColumns {
+            a: part.iter().map(|pair| pair.a.get()).collect(),
+            b: part.iter().map(|pair| pair.b.get()).collect(),
+        }),
+        verdicts: part.iter().map(|pair| verdict(pair.certificate.verdict).into()).collect(),
+        info: None,
+    }
+}
+
 /// What an answer cost.
 pub(crate) fn work(work: &Work) -> pb::Work {
     pb::Work {
@@ -113,6 +125,10 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
                  yet; meanwhile ask Overlap, or place hulls"
             );
             Problem::new(Reason::NeedsDecomposition, what).with_shape(id_or_none(*id))
+        }
+        QuestionError::TooManyPairs => {
+            let what = format!("{error}: leave shapes out with options.filter, or part those that lie in one place");
+            Problem::new(Reason::QuotaExceeded, what).with("quota", "pairs").with("limit", PAIRS_MAX)
         }
         QuestionError::Interrupted => Deadline::problem(),
     }

@@ -5,7 +5,7 @@
 //! committed when the stream breaks is dropped: the first response of the next stream says where to go on. How far a
 //! named writer got is kept with the world's writer, under the same lock, so that no tick is ever applied twice.
 
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 
 use collision::world::{Edit, EditRule};
 use prost::Message;
@@ -16,7 +16,7 @@ use tonic::{Request, Status, Streaming};
 use wire::v1 as pb;
 
 use super::{
-    Answers, Caller, Server,
+    Answers, Caller, READER_PATIENCE, Server,
     edit::{check_durability, when},
 };
 use crate::{
@@ -39,8 +39,6 @@ const PROBLEMS: usize = 1000;
 const NAME_BYTES: usize = 128;
 /// Acknowledgements that wait for a reader.
 const UNREAD_ANSWERS: usize = 64;
-/// A client that takes no acknowledgement for so long is cut off.
-const READER_PATIENCE: Duration = Duration::from_secs(10);
 
 type Answer = Result<pb::EditStreamResponse, Status>;
 

@@ -63,9 +63,6 @@ later! {
     RESOLVE = "Resolve"
         will "say how bodies in contact bounce and are pushed apart"
         meanwhile "ask Penetration, which gives the contacts with their depths and normals";
-    PAIRS = "Pairs"
-        will "list all pairs of shapes that overlap"
-        meanwhile "ask Overlap for each shape, in one Batch";
     RAYCAST_BATCH = "RaycastBatch"
         will "answer many rays given as columns"
         meanwhile "ask Batch with a raycast for each ray";

@@ -12,6 +12,7 @@ mod geometry;
 mod later;
 mod list_shapes;
 mod overlap;
+mod pairs;
 mod penetration;
 mod questions;
 mod raycast;
@@ -21,7 +22,7 @@ mod sessions;
 mod time_of_impact;
 mod worlds;
 
-use std::{pin::Pin, sync::Arc};
+use std::{pin::Pin, sync::Arc, time::Duration};
 
 use prost::Message;
 use tokio_stream::Stream;
@@ -47,6 +48,9 @@ pub(crate) const SERVICE_NAMES: [&str; 4] = [
 
 /// Largest message that is taken or sent.
 pub(crate) const MESSAGE_BYTES: usize = 4 * 1024 * 1024;
+
+/// A client that takes nothing of an answer for so long is cut off.
+const READER_PATIENCE: Duration = Duration::from_secs(10);
 
 /// The answers of a call that streams.
 type Answers<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;

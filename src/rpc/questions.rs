@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
-use super::{Server, batch, distance, later, overlap, penetration, raycast, scene::unary, time_of_impact};
+use super::{Server, batch, distance, later, overlap, pairs, penetration, raycast, scene::unary, time_of_impact};
 
 /// `QueryService`.
 #[derive(Clone, Debug)]
@@ -52,8 +52,8 @@ impl pb::query_service_server::QueryService for Questions {
 
     type PairsStream = super::Answers<pb::PairsResponse>;
 
-    async fn pairs(&self, _request: Request<pb::PairsRequest>) -> Result<Response<Self::PairsStream>, Status> {
-        Err(later::PAIRS.into())
+    async fn pairs(&self, request: Request<pb::PairsRequest>) -> Result<Response<Self::PairsStream>, Status> {
+        pairs::answer(&self.0, request).await
     }
 
     async fn batch(&self, request: Request<pb::BatchRequest>) -> Result<Response<pb::BatchResponse>, Status> {

@@ -67,6 +67,23 @@ pub(super) struct Scene {
 }
 
 impl Scene {
+    /// That of a request, for its caller.
+    ///
+    /// # Errors
+    /// Who may not read the session; a version that is not held.
+    pub(super) async fn of(server: &Server, caller: &Caller, asked: &impl Asking) -> Checked<Self> {
+        let session = server.enter(caller, asked.session(), Role::Reader)?;
+        let read_at = asked.options().and_then(|options| options.read_at.as_ref());
+        let read_at = question::read_at(read_at).under("options.read_at")?;
+        Ok(Self {
+            snapshot: session.pin(read_at, caller.deadline).await.under("options")?,
+            session,
+            deadline: caller.deadline,
+            shared: Terms::default(),
+            naming: Naming::Tick,
+        })
+    }
+
     /// Asks, with a meter that stops at the deadline.
     ///
     /// # Errors
@@ -119,7 +136,14 @@ macro_rules! asking {
     };
 }
 
-asking!(pb::RaycastRequest, pb::OverlapRequest, pb::PenetrationRequest, pb::TimeOfImpactRequest, pb::DistanceRequest);
+asking!(
+    pb::RaycastRequest,
+    pb::OverlapRequest,
+    pb::PenetrationRequest,
+    pb::TimeOfImpactRequest,
+    pb::DistanceRequest,
+    pb::PairsRequest
+);
 
 /// Answers a unary question.
 ///
@@ -132,16 +156,7 @@ pub(super) async fn unary<Q: Asking, A: Message + 'static>(
 ) -> Result<Response<A>, Status> {
     let caller = Caller::of(&request);
     let asked = request.into_inner();
-    let session = server.enter(&caller, asked.session(), Role::Reader)?;
-    let read_at = asked.options().and_then(|options| options.read_at.as_ref());
-    let read_at = question::read_at(read_at).under("options.read_at")?;
-    let scene = Scene {
-        snapshot: session.pin(read_at, caller.deadline).await.under("options")?,
-        session,
-        deadline: caller.deadline,
-        shared: Terms::default(),
-        naming: Naming::Tick,
-    };
+    let scene = Scene::of(server, &caller, &asked).await?;
     let weight = Weight::of_message(asked.encoded_len());
     let answered = compute::run(weight, "answering a question", move || answer(&asked, &scene)).await?;
     Ok(Response::new(fitting(answered, "ask for fewer hits")?))

@@ -16,7 +16,7 @@ enum Expected {
 }
 
 /// In the order of the lines.
-const EXPECTED: [&[Expected]; 8] = [
+const EXPECTED: [&[Expected]; 9] = [
     &[Expected::Text("/tick", "2"), Expected::Text("/changedCount", "1")],
     &[Expected::Text("/verdict", "VERDICT_HIT"), Expected::Number("/hits/0/distance", 4.0)],
     &[Expected::Text("/verdict", "VERDICT_HIT"), Expected::Text("/hits/0/id", "1")],
@@ -24,6 +24,7 @@ const EXPECTED: [&[Expected]; 8] = [
     &[Expected::Number("/hits/0/fraction", 0.35)],
     &[Expected::Refusal("OutOfRange")],
     &[Expected::Refusal("Unimplemented")],
+    &[Expected::Text("/info/tick", "2")],
     &[Expected::Text("/tick", "2"), Expected::Text("/shapeCount", "1")],
 ];
 

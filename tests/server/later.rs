@@ -29,7 +29,6 @@ async fn calls_of_later_versions_say_what_to_use_meanwhile() {
         worlds.import_world(tokio_stream::once(pb::ImportWorldRequest::default())) says "ImportWorld", "EditStream";
         questions.move_character(pb::MoveCharacterRequest::default()) says "MoveCharacter", "TimeOfImpact";
         questions.resolve(pb::ResolveRequest::default()) says "Resolve", "Penetration";
-        questions.pairs(pb::PairsRequest::default()) says "Pairs", "Overlap";
         questions.raycast_batch(pb::RaycastBatchRequest::default()) says "RaycastBatch", "Batch";
         questions.overlap_batch(pb::OverlapBatchRequest::default()) says "OverlapBatch", "Batch";
         questions.time_of_impact_batch(pb::TimeOfImpactBatchRequest::default()) says "TimeOfImpactBatch", "Batch";

@@ -11,6 +11,7 @@ mod forms;
 mod geometries;
 mod harness;
 mod later;
+mod pairs;
 mod port;
 mod questions;
 mod reading;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use tonic::metadata::{Ascii, MetadataValue};
 use tonic::service::{Interceptor, interceptor::InterceptedService};
 use tonic::transport::{Channel, Endpoint};
-use tonic::{Request, Status};
+use tonic::{Request, Status, Streaming};
 
 use crate::Error;
 use crate::proto::{
@@ -184,6 +184,27 @@ impl Client {
     /// Says where a shape is at the newest tick.
     pub async fn shape(&self, id: u64) -> Result<proto::GetShapeResponse, Error> {
         self.get_shape(proto::GetShapeRequest { id, ..proto::GetShapeRequest::default() }).await
+    }
+
+    /// All pairs of shapes that overlap, ascending, in as many messages of one tick as it takes.
+    ///
+    /// ```no_run
+    /// # async fn example(client: calipers_client::Client) -> Result<(), calipers_client::Error> {
+    /// let mut parts = client.pairs(calipers_client::proto::PairsRequest::default()).await?;
+    /// while let Some(part) = parts.message().await? {
+    ///     let pairs = part.pairs.unwrap_or_default();
+    ///     for (a, b) in pairs.a.iter().zip(&pairs.b) {
+    ///         println!("{a} and {b}");
+    ///     }
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub async fn pairs(&self, mut request: proto::PairsRequest) -> Result<Streaming<proto::PairsResponse>, Error> {
+        if request.session.is_empty() {
+            request.session.clone_from(&self.session);
+        }
+        Ok(self.questions().pairs(self.request(request)).await?.into_inner())
     }
 
     /// Registers a geometry that fits into one message, and says its id. Repeating it returns the same id.

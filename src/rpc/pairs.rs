@@ -1,0 +1,87 @@
+//! `Pairs`: all pairs of shapes that overlap, in as many messages as it takes.
+//!
+//! # Method
+//! The list is found whole before the first message goes out, so what is refused is refused at once and all messages are
+//! of one tick. They are made one by one as the reader takes them.
+
+use collision::{
+    answer::{Verdict, Work},
+    world::{Found, Pair},
+};
+use tokio::{sync::mpsc, time::timeout};
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Request, Response, Status};
+use wire::v1 as pb;
+
+use super::{
+    Answers, Caller, READER_PATIENCE, Server,
+    scene::{Scene, Terms},
+};
+use crate::{
+    compute::{self, Weight},
+    convert::answer as found,
+    problem::Checked,
+};
+
+/// Pairs of one message: 17 bytes each, about 1 MiB.
+const PAIRS_OF_A_MESSAGE: usize = 1 << 16;
+/// Messages that wait for a reader.
+const UNREAD_MESSAGES: usize = 2;
+
+/// Answers with a list of pairs.
+///
+/// # Errors
+/// What is wrong with the question, too many pairs, the deadline.
+pub(super) async fn answer(
+    server: &Server,
+    request: Request<pb::PairsRequest>,
+) -> Result<Response<Answers<pb::PairsResponse>>, Status> {
+    let caller = Caller::of(&request);
+    let asked = request.into_inner();
+    let scene = Scene::of(server, &caller, &asked).await?;
+    let asking = scene.clone();
+    let terms = scene.shared.overridden_by(asked.options.as_ref())?;
+    let agreed = terms.clone();
+    let (pairs, work) = compute::run(Weight::Heavy, "finding pairs", move || list(&asking, &agreed)).await?;
+    let (parts, unread) = mpsc::channel(UNREAD_MESSAGES);
+    tokio::spawn(async move {
+        for part in messages(&pairs, &scene, &terms, &work) {
+            // A reader that has gone, or takes nothing, lets the list go.
+            let Ok(Ok(())) = timeout(READER_PATIENCE, parts.send(Ok(part))).await else { return };
+        }
+    });
+    Ok(Response::new(Box::pin(ReceiverStream::new(unread))))
+}
+
+fn list(scene: &Scene, terms: &Terms) -> Checked<(Vec<Pair>, Work)> {
+    let (pairs, work) = scene.ask(|meter| {
+        let hits = scene.snapshot.pairs(&terms.filter, &terms.accuracy, meter)?;
+        let is_open = !hits.is_empty() && hits.iter().all(|pair| pair.certificate.verdict == Verdict::Undecided);
+        let verdict = match (is_open, hits.is_empty()) {
+            (true, _) => Verdict::Undecided,
+            (false, true) => Verdict::Miss,
+            (false, false) => Verdict::Hit,
+        };
+        Ok(Found { verdict, hits, truncated: false })
+    })?;
+    Ok((pairs.hits, work))
+}
+
+/// The messages of a list: at least one, which says on what tick there is nothing.
+fn messages<'a>(
+    pairs: &'a [Pair],
+    scene: &'a Scene,
+    terms: &'a Terms,
+    work: &'a Work,
+) -> impl Iterator<Item = pb::PairsResponse> + 'a {
+    let count = pairs.len().div_ceil(PAIRS_OF_A_MESSAGE).max(1);
+    (0..count).map(move |number| {
+        let begin = number * PAIRS_OF_A_MESSAGE;
+        let part = &pairs[begin..pairs.len().min(begin + PAIRS_OF_A_MESSAGE)];
+        let mut info = scene.info(terms, work);
+        if number + 1 < count {
+            info.iter_mut().for_each(|info| info.work = None);
+        }
+        pb::PairsResponse { info, ..found::pairs(part) }
+    })
+}
