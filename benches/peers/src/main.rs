@@ -1,12 +1,17 @@
 //! Calipers beside parry3d on the same work in one run: `--only PREFIX` chooses rows, `--json FILE` keeps the figures.
 //!
-//! `benches/README.md` says what is measured and how to read it. `rows.rs` lists the rows, `pairs` measures those of
-//! part B (pairs of convex shapes), `timing.rs` takes the times and `report.rs` writes table and JSON.
+//! `benches/README.md` says what is measured and how to read it. `rows.rs` lists the rows; `worlds` measures those of
+//! part A (worlds of many shapes) and `pairs` those of part B (pairs of convex shapes). `timing.rs` takes the times,
+//! `errors.rs` compares the answers and `report.rs` writes table and JSON.
 
+mod dice;
+mod errors;
+mod forms;
 mod pairs;
 mod report;
 mod rows;
 mod timing;
+mod worlds;
 
 use std::{
     error::Error,
@@ -27,6 +32,9 @@ struct Arguments {
     /// Where to write the figures as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Shapes in each world; may be given several times.
+    #[arg(long, value_name = "N", default_values_t = [1000, 10_000, 100_000], value_parser = clap::value_parser!(u32).range(1000..=10_000_000))]
+    shapes: Vec<u32>,
     /// Pairs of shapes in each set.
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1000..))]
     pairs: u32,
@@ -34,7 +42,7 @@ struct Arguments {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
-    let rows = rows::beginning_with(&arguments.only).unwrap_or_else(|error| {
+    let rows = rows::beginning_with(&arguments.only, &arguments.shapes).unwrap_or_else(|error| {
         clap::Error::raw(clap::error::ErrorKind::InvalidValue, format!("{error}\n")).exit();
     });
     // Before the minutes of work, so that a bad path costs none.
@@ -42,14 +50,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut out = stdout();
     report::write_heading(&mut out)?;
     let mut outcomes = Vec::new();
-    for pairing in rows::PAIRINGS {
-        let rows: Vec<_> = rows.iter().filter(|row| row.pairing == pairing).collect();
-        pairs::measure(pairing, &rows, arguments.pairs as usize, |outcome| {
-            report::write_outcome(&mut out, &outcome)?;
-            outcomes.push(outcome);
-            Ok(())
-        })?;
-    }
+    let mut done = |outcome| {
+        report::write_outcome(&mut out, &outcome)?;
+        outcomes.push(outcome);
+        Ok(())
+    };
+    worlds::measure(&rows, &mut done)?;
+    pairs::measure(&rows, arguments.pairs as usize, &mut done)?;
     report::write_summary(&mut out, &outcomes)?;
     if let Some(file) = json {
         let mut writer = BufWriter::new(file);

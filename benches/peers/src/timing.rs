@@ -7,6 +7,9 @@ use rustix::time::{ClockId, clock_gettime};
 /// Ours and the peer's in turn, so that a slow moment of the machine meets both: rounds times repeats in a round.
 const REPEATS: u32 = 2 * 5;
 
+/// Repeats of what cannot be done in part, however long it takes.
+const REPEATS_MIN: u32 = 2;
+
 /// How long all repeats of one row may take, both sides together. A set that would take longer is timed by its first
 /// pairs only.
 const ROW_LIMIT: Duration = Duration::from_secs(6);
@@ -40,6 +43,37 @@ pub(crate) fn compare(
     }
     let each_ns = |time: Duration| time.as_secs_f64() * 1e9 / operations as f64;
     Times { calipers_ns: each_ns(least_calipers), parry_ns: each_ns(least_parry), operations }
+}
+
+/// Times work that is one whole on each side, so that it cannot be done in part: `operations` operations each time, fewer
+/// times where it takes long. Both functions return the CPU time that it took.
+pub(crate) fn compare_whole(
+    operations: usize,
+    mut calipers: impl FnMut() -> Duration,
+    mut parry: impl FnMut() -> Duration,
+) -> Times {
+    let (mut least_calipers, mut least_parry) = (calipers(), parry());
+    let mut spent = least_calipers + least_parry;
+    for repeat in 1..=REPEATS {
+        if repeat > REPEATS_MIN && spent > ROW_LIMIT {
+            break;
+        }
+        let (time_calipers, time_parry) = (calipers(), parry());
+        least_calipers = least_calipers.min(time_calipers);
+        least_parry = least_parry.min(time_parry);
+        spent += time_calipers + time_parry;
+    }
+    let each_ns = |time: Duration| time.as_secs_f64() * 1e9 / operations as f64;
+    Times { calipers_ns: each_ns(least_calipers), parry_ns: each_ns(least_parry), operations }
+}
+
+/// CPU time of this thread for some work. What the work returns is dropped when the time is taken.
+pub(crate) fn time_of<Made>(work: impl FnOnce() -> Made) -> Duration {
+    let start = thread_time();
+    let made = black_box(work());
+    let time = thread_time() - start;
+    drop(made);
+    time
 }
 
 /// CPU time of this thread for asking one question of each item.

@@ -3,45 +3,26 @@
 use std::time::Duration;
 
 use collision::{
-    DQuat, DVec3,
     accuracy::{Accuracy, Tier},
     answer::{Certificate, Work},
-    math::Pose,
     narrow::{self, Contacts, Depth, ImpactTouch, Motion, Placed, Separation, Warm},
     shape::Geometry,
 };
 
 use super::{
-    errors::Proof,
-    workload::{Crossing, Form, Place, Workload},
+    rows::Operation,
+    workload::{Crossing, Placement, Workload},
 };
-use crate::{rows::Operation, timing::spent};
+use crate::{
+    errors::Proof,
+    forms::{pose, vector},
+    timing::spent,
+};
 
 const EXACT: Accuracy = Accuracy::of(Tier::Exact);
 
 /// What turning impacts are asked for: 5 mm, which is what the peers leave open.
 const TURNING: Accuracy = Accuracy { max_error: 0.005, max_error_relative: 0.0, ..EXACT };
-
-/// The geometry of a form.
-pub(crate) fn geometry(form: &Form) -> Geometry {
-    let geometry = match form {
-        Form::Cuboid(half_extents) => Geometry::cuboid(vector(*half_extents)),
-        Form::Ball(radius) => Geometry::sphere(f64::from(*radius)),
-        Form::Capsule { half_height, radius } => Geometry::capsule(f64::from(*half_height), f64::from(*radius)),
-        Form::Hull(points) => Geometry::hull(&points.iter().copied().map(vector).collect::<Vec<_>>()),
-    };
-    geometry.expect("sizes of the workload are within limits")
-}
-
-/// The pose of a place.
-pub(crate) fn pose(place: &Place) -> Pose {
-    Pose::new(vector(place.position), DQuat::from_array(place.rotation.map(f64::from)))
-}
-
-/// The vector of these coordinates.
-pub(crate) fn vector(coordinates: [f32; 3]) -> DVec3 {
-    DVec3::from_array(coordinates.map(f64::from))
-}
 
 /// Two placed geometries.
 type Pair<'g> = [Placed<'g>; 2];
@@ -67,7 +48,7 @@ pub(crate) struct Side<'g> {
 impl<'g> Side<'g> {
     /// The workload's pairs; `geometries` are those of its forms.
     pub(crate) fn new(geometries: &'g [Geometry], workload: &Workload) -> Self {
-        let placed = |place: &Place| Placed { geometry: &geometries[place.form], pose: pose(place) };
+        let placed = |place: &Placement| Placed { geometry: &geometries[place.form], pose: pose(&place.place) };
         let moving = |crossing: &Crossing| {
             let motion = Motion { displacement_b: vector(crossing.displacement), ..Motion::default() };
             Moving {

@@ -8,11 +8,14 @@ use parry3d::{
         self, Contact, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, ShapeCastHit,
         ShapeCastOptions, Sweep, SweepToiOutput, SweepToiStatus, ToiProxy,
     },
-    shape::{Ball, Capsule, ConvexPolyhedron, Cuboid, Shape},
+    shape::Shape,
 };
 
-use super::workload::{Crossing, Form, Place, Workload};
-use crate::{rows::Operation, timing::spent};
+use super::{
+    rows::Operation,
+    workload::{Crossing, Placement, Workload},
+};
+use crate::{forms::parry_pose, timing::spent};
 
 /// How near shapes must be to count as touching, metres: as for Calipers.
 const PREDICTION: f32 = 0.0;
@@ -21,19 +24,6 @@ const PREDICTION: f32 = 0.0;
 const SLOP: f32 = 0.005;
 
 const SUPPORTED: &str = "all kinds of the workload are supported";
-
-/// The shape of a form.
-pub(crate) fn shape(form: &Form) -> Box<dyn Shape> {
-    match form {
-        Form::Cuboid(half_extents) => Box::new(Cuboid::new(Vector::from_array(*half_extents))),
-        Form::Ball(radius) => Box::new(Ball::new(*radius)),
-        Form::Capsule { half_height, radius } => Box::new(Capsule::new_y(*half_height, *radius)),
-        Form::Hull(points) => {
-            let points: Vec<Vector> = points.iter().copied().map(Vector::from_array).collect();
-            Box::new(ConvexPolyhedron::from_convex_hull(&points).expect("points all around have a hull"))
-        }
-    }
-}
 
 #[derive(Clone, Copy)]
 struct Placed<'s> {
@@ -66,7 +56,7 @@ pub(crate) struct Side<'s> {
 impl<'s> Side<'s> {
     /// The workload's pairs; `shapes` are those of its forms.
     pub(crate) fn new(shapes: &'s [Box<dyn Shape>], workload: &Workload) -> Self {
-        let placed = |place: &Place| Placed { shape: &*shapes[place.form], pose: pose(place) };
+        let placed = |place: &Placement| Placed { shape: &*shapes[place.form], pose: parry_pose(&place.place) };
         Self {
             near: workload.near.iter().map(|pair| [placed(&pair[0]), placed(&pair[1])]).collect(),
             crossings: workload
@@ -138,10 +128,6 @@ impl<'s> Side<'s> {
             Operation::ImpactRotating => spent(crossings, impact_rotating),
         }
     }
-}
-
-fn pose(place: &Place) -> Pose {
-    Pose::from_parts(Vector::from_array(place.position), Rotation::from_array(place.rotation))
 }
 
 fn moving<'s>(pair: Pair<'s>, crossing: &Crossing) -> Moving<'s> {

@@ -11,8 +11,11 @@ use collision::{
     shape::Geometry,
 };
 
-use super::{dice::Dice, ours};
-use crate::rows::Pairing;
+use super::rows::Pairing;
+use crate::{
+    dice::Dice,
+    forms::{Form, Place, geometry, pose, single, vector},
+};
 
 /// How many shapes of each kind there are.
 const SHAPES: usize = 256;
@@ -28,33 +31,18 @@ const TURN_DEG: [f64; 2] = [11.0, 61.0];
 /// Halvings when contact is sought: 2 m to a twentieth of a millimetre.
 const HALVINGS: u32 = 16;
 
-/// A shape in its own frame.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Form {
-    /// Half extents.
-    Cuboid([f32; 3]),
-    /// Radius.
-    Ball(f32),
-    /// Along y.
-    Capsule { half_height: f32, radius: f32 },
-    /// The hull of these.
-    Hull(Vec<[f32; 3]>),
-}
-
 /// A shape of [`Workload::forms`] at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct Placement {
     pub(crate) form: usize,
-    pub(crate) position: [f32; 3],
-    /// A unit quaternion, x, y, z, w.
-    pub(crate) rotation: [f32; 4],
+    pub(crate) place: Place,
 }
 
 /// `a` stands, `b` crosses its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
-    pub(crate) a: Place,
-    pub(crate) b: Place,
+    pub(crate) a: Placement,
+    pub(crate) b: Placement,
     /// How far `b` goes, metres.
     pub(crate) displacement: [f32; 3],
     /// How `b` turns if it does, a rotation vector in world axes, radians.
@@ -71,7 +59,7 @@ pub(crate) struct Workload {
     /// The shapes: those of `a` first, then those of `b` if they are of another kind.
     pub(crate) forms: Vec<Form>,
     /// Within [`NEAR`] of contact, in and out in turn.
-    pub(crate) near: Vec<[Place; 2]>,
+    pub(crate) near: Vec<[Placement; 2]>,
     /// Apart at the start.
     pub(crate) crossings: Vec<Crossing>,
 }
@@ -118,31 +106,29 @@ impl Workload {
         if kind_b != kind_a {
             forms.extend(iter::repeat_with(|| form(kind_b, dice)).take(SHAPES));
         }
-        let geometries: Vec<Geometry> = forms.iter().map(ours::geometry).collect();
+        let geometries: Vec<Geometry> = forms.iter().map(geometry).collect();
         let near = (0..count).map(|number| near(&geometries, dice, number.is_multiple_of(2))).collect();
         let crossings = (0..count).map(|_| crossing(&forms, &geometries, dice)).collect();
         Self { forms, near, crossings }
     }
 }
 
-/// Rounded to f32.
-fn single(vector: DVec3) -> [f32; 3] {
-    vector.to_array().map(|coordinate| coordinate as f32)
-}
-
 /// Which shapes, and how they lie.
-fn draw(geometries: &[Geometry], dice: &mut Dice) -> [Place; 2] {
+fn draw(geometries: &[Geometry], dice: &mut Dice) -> [Placement; 2] {
     let forms = [dice.index(SHAPES), geometries.len() - SHAPES + dice.index(SHAPES)];
     let position = single(dice.point(PLACE));
-    forms.map(|form| Place { form, position, rotation: dice.rotation().to_array().map(|part| part as f32) })
+    forms.map(|form| {
+        let rotation = dice.rotation().to_array().map(|part| part as f32);
+        Placement { form, place: Place { position, rotation } }
+    })
 }
 
-fn moved(place: Place, way: DVec3) -> Place {
-    let position = single(ours::vector(place.position) + way);
-    Place { position, ..place }
+fn moved(Placement { form, place }: Placement, way: DVec3) -> Placement {
+    let position = single(vector(place.position) + way);
+    Placement { form, place: Place { position, ..place } }
 }
 
-fn near(geometries: &[Geometry], dice: &mut Dice, is_inside: bool) -> [Place; 2] {
+fn near(geometries: &[Geometry], dice: &mut Dice, is_inside: bool) -> [Placement; 2] {
     loop {
         let [a, b] = draw(geometries, dice);
         let direction = dice.direction();
@@ -167,8 +153,8 @@ fn crossing(forms: &[Form], geometries: &[Geometry], dice: &mut Dice) -> Crossin
         let half_way = 2.0 * (geometries[a.form].reach() + geometries[b.form].reach());
         let displacement = single(direction * (2.0 * half_way));
         let turn = single(axis * angle);
-        let way = ours::vector(displacement).length();
-        let spin = ours::vector(turn).length() * reach_from_axis(&forms[b.form], ours::pose(&b), axis);
+        let way = vector(displacement).length();
+        let spin = vector(turn).length() * reach_from_axis(&forms[b.form], pose(&b.place), axis);
         let b = moved(b, aside * (aim * contact) - direction * half_way);
         return Crossing { a, b, displacement, turn, way, way_turning: way + spin };
     }
@@ -178,7 +164,7 @@ fn crossing(forms: &[Form], geometries: &[Geometry], dice: &mut Dice) -> Crossin
 fn reach_from_axis(form: &Form, pose: Pose, axis: DVec3) -> f64 {
     let axis = pose.unit_rotation().conjugate() * axis;
     let farthest = |points: &[[f32; 3]]| {
-        points.iter().map(|&point| axis.cross(ours::vector(point)).length()).max_by(f64::total_cmp).unwrap_or(0.0)
+        points.iter().map(|&point| axis.cross(vector(point)).length()).max_by(f64::total_cmp).unwrap_or(0.0)
     };
     match form {
         Form::Cuboid([x, y, z]) => farthest(&[[*x, *y, *z], [-x, *y, *z], [*x, -y, *z], [*x, *y, -z]]),
@@ -190,8 +176,8 @@ fn reach_from_axis(form: &Form, pose: Pose, axis: DVec3) -> f64 {
 
 /// How far `b` goes from `a`'s own place before the two come apart; `None` if they do not overlap there. Halved by
 /// verdicts alone, so that a more exact kernel does not change the pairs.
-fn contact_distance(geometries: &[Geometry], pair: [Place; 2], direction: DVec3) -> Option<f64> {
-    let [a, b] = pair.map(|place| Placed { geometry: &geometries[place.form], pose: ours::pose(&place) });
+fn contact_distance(geometries: &[Geometry], pair: [Placement; 2], direction: DVec3) -> Option<f64> {
+    let [a, b] = pair.map(|place| Placed { geometry: &geometries[place.form], pose: pose(&place.place) });
     let accuracy = Accuracy::of(Tier::Standard);
     let touches_at = |distance: f64| {
         let pose = Pose::new(b.pose.position + direction * distance, b.pose.rotation);
@@ -215,7 +201,7 @@ fn contact_distance(geometries: &[Geometry], pair: [Place; 2], direction: DVec3)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rows::PAIRINGS;
+    use crate::pairs::rows::PAIRINGS;
 
     #[test]
     fn a_workload_is_the_same_each_time() {
@@ -229,9 +215,9 @@ mod tests {
     fn crossings_start_apart() {
         for pairing in PAIRINGS {
             let workload = Workload::new(pairing, 400);
-            let geometries: Vec<Geometry> = workload.forms.iter().map(ours::geometry).collect();
+            let geometries: Vec<Geometry> = workload.forms.iter().map(geometry).collect();
             for crossing in &workload.crossings {
-                let placed = |place: &Place| Placed { geometry: &geometries[place.form], pose: ours::pose(place) };
+                let placed = |place: &Placement| Placed { geometry: &geometries[place.form], pose: pose(&place.place) };
                 let [a, b] = [placed(&crossing.a), placed(&crossing.b)];
                 let certificate = narrow::overlap(a, b, &Accuracy::default(), &mut Work::default());
                 assert_eq!(certificate.verdict, Verdict::Miss, "{pairing:?}");

@@ -16,6 +16,9 @@ impl Proof {
     /// There is nothing: no contact, no impact.
     pub(crate) const NONE: Self = Self { verdict: Verdict::Miss, range: Bound::UNBOUNDED, error: 0.0 };
 
+    /// There is something that has no value.
+    pub(crate) const SOME: Self = Self { verdict: Verdict::Hit, range: Bound::UNBOUNDED, error: 0.0 };
+
     /// Of an answer that is a verdict. An open one is as wrong as its interval is wide.
     pub(crate) fn of_verdict(certificate: &Certificate) -> Self {
         let error = if certificate.verdict == Verdict::Undecided { certificate.bound.width() } else { 0.0 };

@@ -4,10 +4,10 @@ use collision::{DQuat, DVec3};
 
 /// A generator (splitmix64).
 #[derive(Clone, Debug)]
-pub(super) struct Dice(u64);
+pub(crate) struct Dice(u64);
 
 impl Dice {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(seed)
     }
 
@@ -19,23 +19,23 @@ impl Dice {
     }
 
     /// Uniform from `low` to `high`.
-    pub(super) fn within(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.bits() >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
     /// Uniform below `count`.
-    pub(super) fn index(&mut self, count: usize) -> usize {
+    pub(crate) fn index(&mut self, count: usize) -> usize {
         (self.bits() % count as u64) as usize
     }
 
     /// Uniform in a cube around the origin.
-    pub(super) fn point(&mut self, half_width: f64) -> DVec3 {
+    pub(crate) fn point(&mut self, half_width: f64) -> DVec3 {
         let mut coordinate = || self.within(-half_width, half_width);
         DVec3::new(coordinate(), coordinate(), coordinate())
     }
 
     /// A uniform unit vector: a point of the ball, made longer (no platform's sine is asked).
-    pub(super) fn direction(&mut self) -> DVec3 {
+    pub(crate) fn direction(&mut self) -> DVec3 {
         loop {
             let point = self.point(1.0);
             let square = point.length_squared();
@@ -46,7 +46,7 @@ impl Dice {
     }
 
     /// A uniform rotation: a point of the ball in four dimensions, made longer.
-    pub(super) fn rotation(&mut self) -> DQuat {
+    pub(crate) fn rotation(&mut self) -> DQuat {
         loop {
             let [x, y, z, w] = [(); 4].map(|()| self.within(-1.0, 1.0));
             let square = x * x + y * y + z * z + w * w;
