@@ -12,6 +12,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::Hull;
+use crate::math::Norm;
 
 /// All points within `radius` of a core.
 #[derive(Clone, Debug)]
@@ -69,7 +70,7 @@ impl Core {
         match self {
             Self::Point => 0.0,
             Self::Segment { half_height } => *half_height,
-            Self::Cuboid { half_extents } => half_extents.length(),
+            Self::Cuboid { half_extents } => half_extents.norm(),
             Self::Hull(hull) => hull.reach(),
             Self::Triangle(corners) => farthest(corners),
             Self::Cylinder { half_height, radius } | Self::Cone { half_height, radius } => {

@@ -34,34 +34,32 @@ pub(super) struct Approach {
     pub(super) time: f64,
     /// Unit vector from `b` to `a` of the last plane; 0 if there was none.
     pub(super) normal: DVec3,
-    /// What is nearest at that time.
-    pub(super) simplex: Simplex,
+    /// What is nearest at that time, if it is known.
+    pub(super) simplex: Option<Simplex>,
     pub(super) iterations: u32,
 }
 
-/// Advances along `way`, by which `b` goes backwards over the time from 0 to 1, from the pair's position.
-pub(super) fn approach(pair: &Pair<'_>, way: DVec3, budget: u32) -> Approach {
+/// Advances along `way`, by which `b` goes backwards over the time from 0 to 1, from where the pair is; up to `entry` that is
+/// known to be free.
+pub(super) fn approach(pair: &Pair<'_>, way: DVec3, entry: f64, budget: u32) -> Approach {
     let radius = pair.radius();
-    let toward_a = pair.a.center() - pair.b.center();
-    let mut found = Approach {
-        time: 0.0,
-        normal: DVec3::ZERO,
-        simplex: Simplex::of(gjk::support(pair, toward_a.try_unit().unwrap_or(DVec3::X))),
-        iterations: 0,
-    };
+    let toward_a = pair.a.center() - pair.b.center() + way * entry;
+    let first = gjk::support(pair, toward_a.try_unit().unwrap_or(DVec3::X));
+    let mut simplex = Simplex::of(moved(first, way * entry));
+    let mut found = Approach { time: entry, normal: DVec3::ZERO, simplex: None, iterations: 0 };
     while found.iterations < budget {
         found.iterations += 1;
-        let nearest = found.simplex.point();
+        let nearest = simplex.point();
         let length = nearest.norm();
-        if length <= radius + 2.0 * PAIR_ROUNDING || found.simplex.vertices().len() == 4 {
+        if length <= radius + 2.0 * PAIR_ROUNDING || simplex.vertices().len() == 4 {
             break;
         }
         let toward = nearest / length;
         let vertex = moved(gjk::support(pair, toward), way * found.time);
         let free = toward.dot(vertex.point) - PAIR_ROUNDING - radius;
-        let is_known = found.simplex.contains(&vertex);
+        let is_known = simplex.contains(&vertex);
         if !is_known {
-            found.simplex = found.simplex.with(&vertex);
+            simplex = simplex.with(&vertex);
         }
         if free > 0.0 {
             found.normal = toward;
@@ -75,21 +73,22 @@ pub(super) fn approach(pair: &Pair<'_>, way: DVec3, budget: u32) -> Approach {
                 break;
             }
             found.time += step;
-            found.simplex = found.simplex.moved(way * step);
+            simplex = simplex.moved(way * step);
         } else if is_known {
             break;
         } else {
-            let next = found.simplex.nearest();
+            let next = simplex.nearest();
             let is_nearer = next.point().length_squared() < nearest.length_squared();
-            found.simplex = next;
+            simplex = next;
             if !is_nearer {
                 break;
             }
         }
     }
-    found
+    Approach { simplex: Some(simplex), ..found }
 }
 
-fn moved(vertex: Vertex, way: DVec3) -> Vertex {
+/// A vertex after `b` has gone by `-way`.
+pub(super) fn moved(vertex: Vertex, way: DVec3) -> Vertex {
     Vertex { point: vertex.point + way, ..vertex }
 }

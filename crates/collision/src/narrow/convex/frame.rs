@@ -12,13 +12,15 @@ use crate::{
     answer::Bound,
     math::Norm,
     shape::{Convex, Core},
-    tolerance::SQUARE_MIN,
+    tolerance::{LENGTH_WIDENING, SQUARE_MIN},
 };
 
 /// Two cores in one frame.
 pub(super) struct Pair<'a> {
     pub(super) a: Body<'a>,
     pub(super) b: Body<'a>,
+    /// How far both forms reach from their local origins, radii included; the sum, rounded up.
+    pub(super) reach: f64,
     scale: f64,
     /// The reciprocal, as exact as that.
     unscale: f64,
@@ -31,7 +33,7 @@ impl<'a> Pair<'a> {
     pub(super) fn new(a: PlacedConvex<'a>, b: PlacedConvex<'a>, path: f64) -> Self {
         let axes = a.pose.matrix();
         let apart = b.pose.position - a.pose.position;
-        let extent = extent([a.convex, b.convex], apart, path);
+        let (reach, extent) = reach_and_extent([a.convex, b.convex], apart, path);
         let scale = power_of_two_below_reciprocal(extent);
         let body = |convex: &'a Convex, is_turned, rotation, position: DVec3| Body {
             core: &convex.core,
@@ -47,6 +49,7 @@ impl<'a> Pair<'a> {
         Self {
             a: body(a.convex, false, DMat3::IDENTITY, DVec3::ZERO),
             b: body(b.convex, is_turned, rotation, axes.transpose() * apart),
+            reach: reach * scale * LENGTH_WIDENING,
             scale,
             unscale: 1.0 / scale,
             axes,
@@ -97,10 +100,16 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// How far the pair extends, to within a few roundings; or, where squares lack digits, up to √3 times as much.
-fn extent([a, b]: [&Convex; 2], apart: DVec3, path: f64) -> f64 {
-    let plain = a.core.reach() + a.radius + b.core.reach() + b.radius + apart.norm() + path;
-    if plain * plain >= SQUARE_MIN { plain } else { a.reach() + b.reach() + apart.abs().element_sum() + path }
+/// How far two forms reach and how far the pair extends, to within a few roundings; or, where squares lack digits, up to √3
+/// times as much.
+fn reach_and_extent([a, b]: [&Convex; 2], apart: DVec3, path: f64) -> (f64, f64) {
+    let reach = a.core.reach() + a.radius + b.core.reach() + b.radius;
+    let extent = reach + apart.norm() + path;
+    if extent * extent >= SQUARE_MIN {
+        return (reach, extent);
+    }
+    let reach = a.reach() + b.reach();
+    (reach, reach + apart.abs().element_sum() + path)
 }
 
 /// 2¹⁰⁰: of two points in one place.

@@ -14,9 +14,10 @@
 use glam::DVec3;
 
 use super::{
-    PlacedConvex, boxes, cast,
+    PlacedConvex, balls, boxes,
+    cast::{self, Approach},
     frame::Pair,
-    gjk, order, rods, separation,
+    gjk, order, portal, rods, separation,
     simplex::{self, Simplex},
     slide::{self, Slide},
     turning,
@@ -124,7 +125,8 @@ impl<'a> Search<'a> {
     }
 
     fn first_touch(&mut self, initial: InitialTouch) -> Option<Touch> {
-        let (mut time, mut normal, mut seed) = (0.0, None, None);
+        let entry = balls::entry(&self.pair, self.way, PAIR_ROUNDING)?;
+        let (mut time, mut normal, mut seed) = (entry, None, None);
         if let Some(slide) = slide::meeting(&self.pair, self.way) {
             match slide {
                 Slide::Free => return None,
@@ -134,14 +136,18 @@ impl<'a> Search<'a> {
                 Slide::Touch { .. } | Slide::Open => {}
             }
         } else if !rods::applies(&self.pair) {
-            let approach = cast::approach(&self.pair, self.way, self.budget);
+            let by = if portal::applies(&self.pair) { portal::approach } else { cast::approach };
+            let approach = by(&self.pair, self.way, entry, self.budget);
             self.iterations = approach.iterations;
             if approach.time > 1.0 {
                 return None;
             }
-            time = approach.time;
+            if let Some(touch) = self.touch_after(&approach) {
+                return Some(touch);
+            }
+            time = approach.time.max(entry);
             normal = (approach.normal != DVec3::ZERO).then_some(approach.normal);
-            seed = Some(Seed::at(&approach.simplex, approach.normal));
+            seed = approach.simplex.as_ref().map(|simplex| Seed::at(simplex, approach.normal));
         }
         loop {
             self.go_to(time);
@@ -158,6 +164,16 @@ impl<'a> Search<'a> {
                 Step::Closed(stop) => return Some(self.prove_touch(time, &gap, normal, stop)),
             }
         }
+    }
+
+    /// The touch at the end of a way that planes proved free, if what is nearest there surely overlaps a moment later.
+    fn touch_after(&self, approach: &Approach) -> Option<Touch> {
+        let (time, normal, simplex) = (approach.time, approach.normal, approach.simplex.as_ref()?);
+        let closing = -normal.dot(self.way);
+        let ahead = 6.0 * PAIR_ROUNDING / closing;
+        let is_proved = time > 0.0 && closing > 0.0 && time + ahead <= 1.0 && self.is_held_by(simplex, ahead);
+        let bound = Bound::new(time, time + ahead);
+        is_proved.then(|| self.touch_at(simplex, Some(normal), bound, Verdict::Hit, Stop::Converged))
     }
 
     /// The first touch of boxes, where it lies on the axis that parts them last.
@@ -218,7 +234,7 @@ impl<'a> Search<'a> {
                 verdict: Verdict::Hit,
                 stop,
                 normal: None,
-                point: self.point_between(gap),
+                point: self.point_between(&gap.simplex),
                 is_initial: true,
             });
         }
@@ -244,15 +260,22 @@ impl<'a> Search<'a> {
             ahead *= 4.0;
         }
         let bound = Bound::new(time, proved.unwrap_or(1.0));
+        let verdict = if proved.is_some() { Verdict::Hit } else { Verdict::Undecided };
+        self.touch_at(&gap.simplex, normal, bound, verdict, stop)
+    }
+
+    /// A touch of what is nearest at the lower end of `bound`.
+    fn touch_at(&self, nearest: &Simplex, normal: Option<DVec3>, bound: Bound, verdict: Verdict, stop: Stop) -> Touch {
+        let closing = normal.map_or(0.0, |normal| -normal.dot(self.way));
         // The free way is counted to where the gap is surely open; the best value goes the rest of it.
-        let rest = if closing > 0.0 { (gap.length - self.pair.radius()) / closing } else { 0.0 };
+        let rest = if closing > 0.0 { (nearest.point().norm() - self.pair.radius()) / closing } else { 0.0 };
         Touch {
-            fraction: (time + rest).clamp(bound.lower, bound.upper),
+            fraction: (bound.lower + rest).clamp(bound.lower, bound.upper),
             bound,
-            verdict: if proved.is_some() { Verdict::Hit } else { Verdict::Undecided },
+            verdict,
             stop,
             normal,
-            point: self.point_between(gap),
+            point: self.point_between(nearest),
             is_initial: false,
         }
     }
@@ -276,8 +299,8 @@ impl<'a> Search<'a> {
     }
 
     /// A point between the cores' nearest ones, on the surface of the first form.
-    fn point_between(&self, gap: &gjk::Gap) -> DVec3 {
-        let (on_a, on_b) = gap.witnesses();
+    fn point_between(&self, nearest: &Simplex) -> DVec3 {
+        let (on_a, on_b) = nearest.witnesses();
         let apart = (on_a - on_b).norm();
         let share = if apart > 0.0 { (self.pair.a.radius / apart).min(1.0) } else { 0.0 };
         on_a + (on_b - on_a) * share

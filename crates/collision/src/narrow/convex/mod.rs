@@ -8,6 +8,7 @@
 //! Arguments are put in a fixed order first (kind, content, pose), so that swapping them swaps the answer bit by bit.
 
 mod axes;
+mod balls;
 mod body;
 mod boxes;
 mod cast;
@@ -24,6 +25,7 @@ mod inscribed;
 mod manifold;
 mod motion;
 mod order;
+mod portal;
 mod revolved;
 mod rods;
 mod separation;

@@ -29,11 +29,11 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{PlacedConvex, frame::Pair, gjk};
+use super::{PlacedConvex, balls, frame::Pair, gjk};
 use crate::{
     math::{Norm, Pose, try_unit},
     narrow::advance::{Instant, Paces},
-    shape::{Convex, Core},
+    shape::Core,
     tolerance::{ANGLE_ROUNDING, BEND_WIDENING, LENGTH_WIDENING, MOTION_ROUNDING, PAIR_ROUNDING, ROUNDING},
 };
 
@@ -63,8 +63,6 @@ pub(super) struct Course<'a> {
     spin: f64,
     /// What the turning adds to the change of speed.
     bend: f64,
-    /// Reach of both forms about their local origins, radii included, rounded up.
-    balls: f64,
     /// What a gap may be off by, beyond what the kernels count.
     pub(super) rounding: f64,
 }
@@ -111,7 +109,6 @@ impl<'a> Course<'a> {
             way: pair.displacement_in(way),
             spin: spin * BEND_WIDENING,
             bend: (turn_a.angle * turn_a.speed() + turn_b.angle * turn_b.speed()) * BEND_WIDENING,
-            balls: (reach(a.convex) + reach(b.convex)) * scale * LENGTH_WIDENING,
             rounding: MOTION_ROUNDING + ANGLE_ROUNDING * spin,
             pair,
             a: turn_a,
@@ -191,30 +188,10 @@ impl<'a> Course<'a> {
         bent < root * root
     }
 
-    /// The time up to which two balls around the forms are free, each as wide as the reach of its form about the local
-    /// origin; `None` if they are so all the time. 0 where rounding leaves that open.
+    /// As [`balls::entry`].
     pub(super) fn entry_of_balls(&self) -> Option<f64> {
-        let wider = self.balls * BEND_WIDENING;
-        let (speed_sq, toward) = (self.way.length_squared(), self.start.dot(self.way));
-        let excess = self.start.length_squared() - wider * wider;
-        if excess <= 0.0 {
-            return Some(0.0);
-        }
-        let root = toward * toward - speed_sq * excess;
-        let time = if toward > 0.0 && root > 0.0 { (excess / (toward + root.sqrt())).min(1.0) } else { 1.0 };
-        // Whatever rounding did to that, how near the centres come is seen from the way itself.
-        let nearest = if speed_sq > 0.0 { (toward / speed_sq).clamp(0.0, time) } else { 0.0 };
-        let is_free = (self.start - self.way * nearest).norm() - self.balls > self.rounding;
-        match (is_free, time < 1.0) {
-            (true, true) => Some(time),
-            (true, false) => None,
-            (false, _) => Some(0.0),
-        }
+        balls::entry(&self.pair, self.way, self.rounding)
     }
-}
-
-fn reach(convex: &Convex) -> f64 {
-    convex.core.reach() + convex.radius
 }
 
 /// The length of a vector, however long or short it is.
