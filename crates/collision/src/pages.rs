@@ -5,23 +5,21 @@ use std::{
     sync::Arc,
 };
 
-/// Items of a page. Larger copies more for one write; smaller has more pages to share at each clone.
-const PAGE: usize = 64;
-
-/// A vector whose clones share pages until one of them writes. An item costs one more load than in a `Vec`.
+/// A vector whose clones share pages of `PAGE` items until one of them writes. An item costs one more load than in a `Vec`.
+/// Larger pages copy more for one write; smaller ones are more to share at each clone.
 #[derive(Clone, Debug)]
-pub(crate) struct Pages<T> {
-    pages: Vec<Arc<[T]>>,
+pub(crate) struct Pages<T, const PAGE: usize = 64> {
+    pages: Vec<Arc<[T; PAGE]>>,
     len: usize,
 }
 
-impl<T> Default for Pages<T> {
+impl<T, const PAGE: usize> Default for Pages<T, PAGE> {
     fn default() -> Self {
         Self { pages: Vec::new(), len: 0 }
     }
 }
 
-impl<T: Clone + Default> Pages<T> {
+impl<T: Clone + Default, const PAGE: usize> Pages<T, PAGE> {
     /// How many items there are.
     pub(crate) fn len(&self) -> usize {
         self.len
@@ -30,7 +28,7 @@ impl<T: Clone + Default> Pages<T> {
     /// Appends an item; its index is the length before.
     pub(crate) fn push(&mut self, item: T) {
         if self.len == self.pages.len() * PAGE {
-            self.pages.push((0..PAGE).map(|_| T::default()).collect());
+            self.pages.push(Arc::new(std::array::from_fn(|_| T::default())));
         }
         self.len += 1;
         let last = self.len - 1;
@@ -62,11 +60,11 @@ impl<T: Clone + Default> Pages<T> {
     /// Bytes it holds in memory, what it shares included, what items own elsewhere not.
     pub(crate) fn memory_bytes(&self) -> u64 {
         let page = PAGE * size_of::<T>() + 2 * size_of::<usize>();
-        (self.pages.len() * page + self.pages.capacity() * size_of::<Arc<[T]>>()) as u64
+        (self.pages.len() * page + self.pages.capacity() * size_of::<Arc<[T; PAGE]>>()) as u64
     }
 }
 
-impl<T> Index<usize> for Pages<T> {
+impl<T, const PAGE: usize> Index<usize> for Pages<T, PAGE> {
     type Output = T;
 
     fn index(&self, index: usize) -> &T {
@@ -74,7 +72,7 @@ impl<T> Index<usize> for Pages<T> {
     }
 }
 
-impl<T: Clone> IndexMut<usize> for Pages<T> {
+impl<T: Clone, const PAGE: usize> IndexMut<usize> for Pages<T, PAGE> {
     /// Copies the page first if a clone shares it.
     fn index_mut(&mut self, index: usize) -> &mut T {
         &mut Arc::make_mut(&mut self.pages[index / PAGE])[index % PAGE]
@@ -87,7 +85,7 @@ mod tests {
 
     #[test]
     fn a_clone_keeps_what_it_saw_and_shares_what_was_not_written() {
-        let mut pages = Pages::default();
+        let mut pages: Pages<u32> = Pages::default();
         for item in 0..1000_u32 {
             pages.push(item);
         }

@@ -228,3 +228,26 @@ pub const BALL_INSIDE: f64 = 16.0 * ROUNDING;
 /// of the position. Smaller would do down to where squares leave the range of f64. Pinned by
 /// `a_point_all_but_on_an_axis` in `tests/convex/ellipsoid.rs`.
 pub const ON_AXIS: f64 = ROUNDING / 128.0;
+
+/// How far a number that was rounded to f32 is moved outwards, as a part of itself: one unit in the last place or more, where
+/// rounding moved it by half of one. Smaller loses boxes that touch; larger only visits more nodes. Pinned by
+/// `a_local_box_holds_what_it_stands_for` in `broad/local.rs`.
+pub const TREE_WIDENING: f32 = f32::EPSILON;
+
+/// How far a path is widened before it is tested against boxes in f32, as a part of where it begins, its reach and its length
+/// within the box of the cell: one rounding of the origin and the reach, one of the direction times the length, and as much
+/// again. Smaller loses boxes that are grazed; larger only visits more nodes. Pinned by
+/// `a_path_through_a_point_of_a_box_meets_it` in `tests/broad/fixed.rs`.
+pub const TREE_SLACK: f64 = f32::EPSILON as f64 * 2.0;
+
+/// As [`SLAB_WIDENING`], in f32.
+pub const TREE_SLAB_WIDENING: f32 = 1.0 + 4.0 * f32::EPSILON;
+
+/// Turns a squared distance of boxes in f32 (three roundings of gaps and squares, two of the sum) into a lower bound.
+/// Nearer to 1 it is none; farther from it only visits more nodes. Pinned by
+/// `a_limit_that_shrinks_still_finds_the_first_and_the_nearest` in `tests/broad/fixed.rs`.
+pub const TREE_NARROWING: f32 = 1.0 - 8.0 * f32::EPSILON;
+
+/// Widens a limit that is rounded to f32, and the square of one, so that it is not below the true one. Larger only visits
+/// more nodes. Pinned with [`TREE_NARROWING`].
+pub const TREE_LIMIT_WIDENING: f64 = 1.0 + 4.0 * f32::EPSILON as f64;

@@ -195,7 +195,6 @@ fn all_hits_of_a_ray() {
 }
 
 #[test]
-#[ignore = "not yet: the sieve sorts a copy of the excluded ids"]
 fn a_ray_with_a_filter() {
     let filter = filter();
     assert_frugal(
@@ -206,7 +205,6 @@ fn a_ray_with_a_filter() {
 }
 
 #[test]
-#[ignore = "not yet: what is seen is gathered in a list of its own"]
 fn an_overlap_with_nothing() {
     assert_frugal(
         |step| Overlap { subject: between(step), against: None, max_hits: 100 },
@@ -216,7 +214,6 @@ fn an_overlap_with_nothing() {
 }
 
 #[test]
-#[ignore = "not yet: what is seen is gathered in a list of its own"]
 fn an_overlap_with_much() {
     assert_frugal(
         |step| Overlap { subject: amidst(step), against: None, max_hits: 1000 },
@@ -226,7 +223,6 @@ fn an_overlap_with_much() {
 }
 
 #[test]
-#[ignore = "not yet: what is seen is gathered in a list of its own"]
 fn no_contact() {
     assert_frugal(
         |step| Penetration { subject: between(step), against: None, max_gap: 0.0, max_contacts: 100 },
@@ -236,7 +232,6 @@ fn no_contact() {
 }
 
 #[test]
-#[ignore = "not yet: the heap of open nodes grows"]
 fn the_nearest_shape() {
     assert_frugal(
         |step| Distance { subject: between(step), against: None, max_distance: f64::MAX, max_hits: 1 },
@@ -246,7 +241,6 @@ fn the_nearest_shape() {
 }
 
 #[test]
-#[ignore = "not yet: the heap of open nodes grows"]
 fn no_shape_within_a_distance() {
     assert_frugal(
         |step| Distance { subject: between(step), against: None, max_distance: 0.01, max_hits: 8 },

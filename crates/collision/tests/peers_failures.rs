@@ -19,7 +19,7 @@ use collision::{
     DQuat, DVec3,
     accuracy::{Accuracy, Tier},
     answer::{Bound, Certificate, Verdict, Work},
-    broad::{DynamicTree, StaticTree, Tree},
+    broad::{ALL_LAYERS, DynamicTree, StaticTree, Tree},
     math::{Aabb, Pose},
     narrow::{self, Contact, Depth, ImpactTouch, InitialTouch, Motion, Separation},
     shape::{Core, Form, Geometry, GeometryError, Hull, Span},
@@ -288,7 +288,7 @@ fn box3d_no_leaf_of_a_deep_tree_is_dropped() {
         let boxes: Vec<Aabb> = (0..count).map(make).collect();
         let mut moving = DynamicTree::default();
         for (leaf, bounds) in (0..).zip(&boxes) {
-            moving.insert(leaf, *bounds, 0.0);
+            moving.insert(leaf, *bounds, 0.0, ALL_LAYERS);
         }
         let everything = Aabb::new(DVec3::ZERO, DVec3::ZERO);
         assert_eq!(leaves(&StaticTree::build(&boxes), everything), (0..count).collect::<Vec<_>>());
@@ -298,7 +298,7 @@ fn box3d_no_leaf_of_a_deep_tree_is_dropped() {
 
 fn leaves(tree: &impl Tree, bounds: Aabb) -> Vec<u32> {
     let mut found = Vec::new();
-    let Ok(()) = tree.visit_box(bounds, &mut Work::default(), |_, leaf| {
+    let Ok(()) = tree.visit_box(bounds, ALL_LAYERS, &mut Work::default(), |_, leaf| {
         found.push(leaf);
         Ok::<_, Infallible>(ControlFlow::Continue(()))
     });

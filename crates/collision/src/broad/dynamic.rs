@@ -1,65 +1,58 @@
 //! A tree over boxes that come, move and go, and that its clones share until one of them writes.
 //!
 //! # Method
-//! A leaf is put beside the node where the surface-area heuristic grows least, found by descending with a lower bound
-//! of what lies below; on the way back up, exchanges of a node with a child of its sibling are made where they lower the
-//! cost. Leaves are kept in *fat* boxes, so that small moves change nothing; a box that left its fat one is enlarged in
-//! place where its parent still holds it, else put in anew.
+//! Leaves are kept in *fat* boxes, so that small moves change nothing. A box that left its fat one is changed in place
+//! where the node it is in does not grow by much, else it is taken out and put in anew: see `dynamic/links.rs`. What is
+//! inserted waits until the batch is over ([`DynamicTree::settle`]): many at once are worth building their cell anew, by the
+//! builder of static trees, few are put in one at a time. Searches see what waits as well.
 //!
-//! The heuristic alone makes chains of boxes that lie in each other, as tall as they are many. So siblings may differ in
-//! height by [`balance::IMBALANCE_MAX`] at most, as in an AVL tree (Adelson-Velsky and Landis 1962) of wider tolerance: see
-//! [`DynamicTree::balance`]. The height is then at most about 3 log₂ of the number of leaves.
+//! The heuristic alone makes chains of boxes that lie in each other, as tall as they are many. A leaf that comes to lie too
+//! deep has the lowest subtree that is too deep for its size built anew, so the depth is at most 4 + 2 log₂ of the most
+//! leaves there were, and that costs a logarithm of it for each leaf put in (a scapegoat tree).
 //!
 //! # Source
-//! Catto, "Dynamic Bounding Volume Hierarchies", GDC 2019 (descent, rotations); Kopta et al., "Fast, Effective BVH
-//! Updates for Animated Scenes", I3D 2012 (rotations). The bound on heights is our own.
+//! Catto, "Dynamic Bounding Volume Hierarchies", GDC 2019 (fat boxes, descent by the heuristic); Galperin and Rivest,
+//! "Scapegoat Trees", SODA 1993.
 
-mod balance;
 mod check;
-
-use glam::DVec3;
+mod links;
 
 use super::{
-    Tree,
-    traverse::{Expanded, NodeIndex},
+    build::Item,
+    forest::{Forest, Large, Rooted},
+    local::LocalBox,
+    node::{LANES, NO_NODE, Node, Target},
 };
 use crate::{math::Aabb, pages::Pages};
-use balance::IMBALANCE_MAX;
-
-/// No node.
-const NONE: u32 = u32::MAX;
+use links::ROOT;
 
 /// A tree over boxes that come, move and go. Cloning it shares all nodes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct DynamicTree {
-    nodes: Pages<Node>,
-    root: u32,
-    /// First of the unused nodes, linked by `parent`.
-    free: u32,
+    forest: Forest<Pages<Node>>,
+    /// The lane that leads to each node: four times its node, and the number of the lane. Of a root, `ROOT` and its cell. Of
+    /// a node that is not used, one more than the next such node, or 0.
+    parents: Pages<u32, 256>,
+    /// One more than the first node that is not used; 0 if all are.
+    unused: u32,
+    /// Where each leaf is.
+    places: Pages<Place, 256>,
+    /// Leaves that wait for [`DynamicTree::settle`].
+    waiting: Vec<Large>,
     leaf_count: usize,
 }
 
-/// Inner: both children are nodes. Leaf: `left` is `NONE` and `right` the leaf number. Unused: `parent` is the next.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    bounds: Aabb,
-    parent: u32,
-    left: u32,
-    right: u32,
-    /// 0 for a leaf, else one more than the higher child's.
-    height: u32,
-}
-
-impl Default for Node {
-    fn default() -> Self {
-        Self { bounds: Aabb::new(DVec3::ZERO, DVec3::ZERO), parent: NONE, left: NONE, right: NONE, height: 0 }
-    }
-}
-
-impl Node {
-    fn is_leaf(&self) -> bool {
-        self.left == NONE
-    }
+/// Where a leaf is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Place {
+    #[default]
+    Absent,
+    /// In this lane: four times its node, and the number of the lane.
+    Lane { cell: u16, lane: u32 },
+    /// At this position of the list of enormous boxes.
+    Large(u32),
+    /// At this position of those that wait.
+    Waiting(u32),
 }
 
 /// What a move did to the tree.
@@ -73,11 +66,13 @@ pub enum Refit {
     Reinserted,
 }
 
-impl Default for DynamicTree {
-    fn default() -> Self {
-        Self { nodes: Pages::default(), root: NONE, free: NONE, leaf_count: 0 }
-    }
-}
+/// A cell is built anew when what waits for it is more than its leaves over this. Smaller builds more often, larger
+/// puts more in one at a time, which costs about as much for each leaf and makes a tree that is searched in more steps.
+const REBUILD_SHARE: usize = 4;
+
+/// A leaf may change its box in place while the node it is in grows to this multiple of its area at most. Larger spoils
+/// the tree, smaller puts leaves in anew that hardly moved.
+const GROWTH_IN_PLACE: f32 = 1.5;
 
 impl DynamicTree {
     /// How many leaves it holds.
@@ -92,214 +87,197 @@ impl DynamicTree {
         self.leaf_count == 0
     }
 
-    /// Levels, the root's being the first; 0 for an empty tree.
-    #[must_use]
-    pub fn depth(&self) -> u32 {
-        if self.root == NONE { 0 } else { self.node(self.root).height + 1 }
-    }
-
-    /// Puts in `leaf` with a box that is larger than `bounds` by `margin` metres on each side. The node that is
-    /// returned names it until it is removed.
+    /// Puts in `leaf`, a number that is not in the tree, with a box that is larger than `bounds` by `margin` metres on each
+    /// side, on `layers`. Memory grows with the largest number. It waits for [`DynamicTree::settle`].
     ///
     /// # Panics
-    /// If there are 2³¹ leaves.
-    pub fn insert(&mut self, leaf: u32, bounds: Aabb, margin: f64) -> NodeIndex {
-        assert!(self.leaf_count < 1 << 31, "fewer than 2^31 leaves");
-        let node = self.allocate(Node { bounds: bounds.inflated(margin), right: leaf, ..Node::default() });
+    /// If it is in the tree, or 2³⁰ or more.
+    pub fn insert(&mut self, leaf: u32, bounds: Aabb, margin: f64, layers: u32) {
+        assert!(leaf < 1 << 30, "leaf numbers are below 2^30");
+        while self.places.len() <= leaf as usize {
+            self.places.push(Place::Absent);
+        }
+        assert_eq!(self.places[leaf as usize], Place::Absent, "leaf {leaf} is in the tree");
+        self.places[leaf as usize] = Place::Waiting(self.waiting.len() as u32);
+        self.waiting.push(Large { leaf, bounds: bounds.inflated(margin), layers });
         self.leaf_count += 1;
-        self.link(node);
-        NodeIndex(node)
     }
 
-    /// Takes out a leaf that [`DynamicTree::insert`] returned.
-    pub fn remove(&mut self, leaf: NodeIndex) {
-        self.unlink(leaf.0);
-        self.release(leaf.0);
+    /// Takes out a leaf.
+    ///
+    /// # Panics
+    /// If it is not in the tree.
+    pub fn remove(&mut self, leaf: u32) {
+        match self.places[leaf as usize] {
+            Place::Absent => panic!("leaf {leaf} is not in the tree"),
+            Place::Lane { cell, lane } => {
+                self.unlink(lane);
+                self.forest.cells[usize::from(cell)].leaf_count -= 1;
+            }
+            Place::Large(at) => {
+                self.forest.large.swap_remove(at as usize);
+                if let Some(moved) = self.forest.large.get(at as usize) {
+                    self.places[moved.leaf as usize] = Place::Large(at);
+                }
+            }
+            Place::Waiting(at) => {
+                self.waiting.swap_remove(at as usize);
+                if let Some(moved) = self.waiting.get(at as usize) {
+                    self.places[moved.leaf as usize] = Place::Waiting(at);
+                }
+            }
+        }
+        self.places[leaf as usize] = Place::Absent;
         self.leaf_count -= 1;
     }
 
     /// Gives a leaf a new box. Only if that is not within its fat box is the tree changed, and the new fat box is larger
     /// by `margin` metres on each side.
-    pub fn update(&mut self, leaf: NodeIndex, bounds: Aabb, margin: f64) -> Refit {
-        let node = self.node(leaf.0);
-        if node.bounds.contains(bounds) {
+    ///
+    /// # Panics
+    /// If it is not in the tree.
+    pub fn update(&mut self, leaf: u32, bounds: Aabb, margin: f64) -> Refit {
+        let fat = || bounds.inflated(margin);
+        match self.places[leaf as usize] {
+            Place::Absent => panic!("leaf {leaf} is not in the tree"),
+            Place::Lane { cell, lane } => self.update_lane(leaf, cell, lane, bounds, margin),
+            Place::Large(at) if self.forest.large[at as usize].bounds.contains(bounds) => Refit::Kept,
+            Place::Large(at) => {
+                let layers = self.forest.large[at as usize].layers;
+                self.remove(leaf);
+                self.insert(leaf, bounds, margin, layers);
+                Refit::Reinserted
+            }
+            Place::Waiting(at) => {
+                self.waiting[at as usize].bounds = fat();
+                Refit::Enlarged
+            }
+        }
+    }
+
+    fn update_lane(&mut self, leaf: u32, cell: u16, lane: u32, bounds: Aabb, margin: f64) -> Refit {
+        let origin = self.forest.cells[usize::from(cell)].origin;
+        let (index, lane_of_node) = (lane as usize / LANES, lane as usize % LANES);
+        let node = &self.forest.nodes[index];
+        if node.lane(lane_of_node).contains(LocalBox::around(bounds, origin)) {
             return Refit::Kept;
         }
+        let layers = node.layers[lane_of_node];
         let fat = bounds.inflated(margin);
-        let parent = node.parent;
-        let is_within_parent = parent != NONE && self.node(parent).bounds.contains(fat);
-        if is_within_parent {
-            self.nodes[leaf.0 as usize].bounds = fat;
+        if !self.forest.stays(cell.into(), fat) {
+            self.remove(leaf);
+            self.insert(leaf, bounds, margin, layers);
+            return Refit::Reinserted;
+        }
+        let local = LocalBox::around(fat, origin);
+        let mut changed = *node;
+        changed.set_box(lane_of_node, local);
+        let parent = self.parents[index];
+        let may_stay = parent >= ROOT || {
+            let before = self.forest.nodes[parent as usize / LANES].lane(parent as usize % LANES).half_area();
+            changed.bounds().half_area() <= before * GROWTH_IN_PLACE
+        };
+        if may_stay {
+            self.forest.nodes[index] = changed;
+            self.refit_from(index as u32);
             return Refit::Enlarged;
         }
-        self.unlink(leaf.0);
-        self.nodes[leaf.0 as usize].bounds = fat;
-        self.link(leaf.0);
+        self.unlink(lane);
+        self.link(cell, Item { bounds: local, leaf, layers });
         Refit::Reinserted
     }
 
-    /// The fat box of a leaf.
-    #[must_use]
-    pub fn fat_bounds(&self, leaf: NodeIndex) -> Aabb {
-        self.node(leaf.0).bounds
+    /// Puts in what waits: to be called when a batch of edits is over. Searches find the same leaves before and after, but
+    /// look at each one that waits.
+    pub fn settle(&mut self) {
+        if self.waiting.is_empty() {
+            return;
+        }
+        let waiting = std::mem::take(&mut self.waiting);
+        let is_first = self.forest.cells.iter().all(|cell| cell.leaf_count == 0) && self.forest.large.is_empty();
+        let arriving = if is_first { self.forest.distribute(&waiting) } else { self.forest.assign(&waiting) };
+        for (at, large) in (0..).zip(&self.forest.large) {
+            self.places[large.leaf as usize] = Place::Large(at);
+        }
+        for (cell, mut items) in (0..).zip(arriving) {
+            let total = self.forest.cells[usize::from(cell)].leaf_count as usize;
+            if items.len() * REBUILD_SHARE > total {
+                let root = std::mem::replace(&mut self.forest.cells[usize::from(cell)].root, NO_NODE);
+                self.take_apart(root, &mut items);
+                self.build_below(cell, ROOT | u32::from(cell), &mut items);
+            } else {
+                for item in items {
+                    self.link(cell, item);
+                }
+            }
+        }
     }
 
-    /// Its cost by the surface-area heuristic, m²: the half areas of all nodes, leaves included.
+    /// The fat box of a leaf, or one that holds it.
+    ///
+    /// # Panics
+    /// If it is not in the tree.
+    #[must_use]
+    pub fn fat_bounds(&self, leaf: u32) -> Aabb {
+        match self.places[leaf as usize] {
+            Place::Absent => panic!("leaf {leaf} is not in the tree"),
+            Place::Lane { cell, lane } => {
+                let local = self.forest.nodes[lane as usize / LANES].lane(lane as usize % LANES);
+                local.in_world(self.forest.cells[usize::from(cell)].origin)
+            }
+            Place::Large(at) => self.forest.large[at as usize].bounds,
+            Place::Waiting(at) => self.waiting[at as usize].bounds,
+        }
+    }
+
+    /// Levels, the root's being the first; 0 for an empty tree. Costs a pass over all nodes.
+    #[must_use]
+    pub fn depth(&self) -> u32 {
+        let mut deepest = 0;
+        self.walk(|_, level| deepest = deepest.max(level));
+        deepest
+    }
+
+    /// Its cost by the surface-area heuristic, m²: the half areas of all boxes in all nodes. Costs a pass over all nodes.
     #[must_use]
     pub fn area_sum(&self) -> f64 {
         let mut sum = 0.0;
-        let mut open: Vec<u32> = (self.root != NONE).then_some(self.root).into_iter().collect();
-        while let Some(index) = open.pop() {
-            let node = self.node(index);
-            sum += node.bounds.half_area();
-            if !node.is_leaf() {
-                open.extend([node.left, node.right]);
-            }
-        }
+        self.walk(|node, _| sum += node.area_sum());
         sum
     }
 
     /// Bytes it holds in memory, what it shares with its clones included.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        size_of::<Self>() as u64 + self.nodes.memory_bytes()
+        let lists = (self.waiting.capacity() * size_of::<Large>()) as u64;
+        let pages = self.forest.nodes.memory_bytes() + self.parents.memory_bytes() + self.places.memory_bytes();
+        size_of::<Self>() as u64 + pages + lists + self.forest.list_bytes()
     }
 
-    fn node(&self, index: u32) -> &Node {
-        &self.nodes[index as usize]
-    }
-
-    fn height(&self, index: u32) -> u32 {
-        self.node(index).height
-    }
-
-    fn allocate(&mut self, node: Node) -> u32 {
-        if self.free == NONE {
-            self.nodes.push(node);
-            return (self.nodes.len() - 1) as u32;
-        }
-        let index = self.free;
-        self.free = self.node(index).parent;
-        self.nodes[index as usize] = node;
-        index
-    }
-
-    fn release(&mut self, index: u32) {
-        self.nodes[index as usize] = Node { parent: self.free, ..Node::default() };
-        self.free = index;
-    }
-
-    /// Puts a leaf that has no parent into the tree.
-    fn link(&mut self, leaf: u32) {
-        if self.root == NONE {
-            self.root = leaf;
-            self.nodes[leaf as usize].parent = NONE;
-            return;
-        }
-        let sibling = self.best_sibling(self.node(leaf).bounds);
-        let (bounds, height, above) = {
-            let sibling = self.node(sibling);
-            (sibling.bounds, sibling.height, sibling.parent)
-        };
-        let parent = self.allocate(Node {
-            bounds: bounds.union(self.node(leaf).bounds),
-            parent: above,
-            left: sibling,
-            right: leaf,
-            height: height + 1,
-        });
-        self.nodes[sibling as usize].parent = parent;
-        self.nodes[leaf as usize].parent = parent;
-        self.replace_child(above, sibling, parent);
-        self.refit_from(above);
-    }
-
-    /// Takes a leaf out of the tree; it keeps its box.
-    fn unlink(&mut self, leaf: u32) {
-        let parent = self.node(leaf).parent;
-        if parent == NONE {
-            self.root = NONE;
-            return;
-        }
-        let (sibling, above) = {
-            let parent = self.node(parent);
-            let sibling = if parent.left == leaf { parent.right } else { parent.left };
-            (sibling, parent.parent)
-        };
-        self.nodes[sibling as usize].parent = above;
-        self.replace_child(above, parent, sibling);
-        self.release(parent);
-        self.refit_from(above);
-    }
-
-    fn replace_child(&mut self, parent: u32, old: u32, new: u32) {
-        if parent == NONE {
-            self.root = new;
-            return;
-        }
-        let parent = &mut self.nodes[parent as usize];
-        if parent.left == old {
-            parent.left = new;
-        } else {
-            parent.right = new;
-        }
-    }
-
-    /// The node beside which a box costs least, among those that are low enough to stay in balance with a leaf.
-    ///
-    /// The cost of a place is the area of the new parent and by how much all nodes above grow. Going down, the growth
-    /// above is known, and below a child no place can cost less than that plus the least its own growth can be.
-    fn best_sibling(&self, bounds: Aabb) -> u32 {
-        let mut index = self.root;
-        let mut area_with_box = self.node(index).bounds.union(bounds).half_area();
-        let mut growth_above = 0.0;
-        let (mut best, mut best_cost) = (NONE, f64::INFINITY);
-        loop {
-            let node = self.node(index);
-            let cost = growth_above + area_with_box;
-            if node.height <= IMBALANCE_MAX && cost < best_cost {
-                (best, best_cost) = (index, cost);
+    /// Shows all nodes and their levels, the root's being the first.
+    fn walk(&self, mut see: impl FnMut(&Node, u32)) {
+        let roots = self.forest.cells.iter().map(|cell| cell.root).filter(|&root| root != NO_NODE);
+        let mut open: Vec<(u32, u32)> = roots.map(|root| (root, 1)).collect();
+        while let Some((index, level)) = open.pop() {
+            let node = &self.forest.nodes[index as usize];
+            see(node, level);
+            for lane in node.taken() {
+                if let Target::Node(below) = node.children[lane].target() {
+                    open.push((below, level + 1));
+                }
             }
-            if node.is_leaf() {
-                return best;
-            }
-            growth_above += area_with_box - node.bounds.half_area();
-            let (lower_left, area_left) = self.cost_below(node.left, bounds, growth_above);
-            let (lower_right, area_right) = self.cost_below(node.right, bounds, growth_above);
-            if best_cost <= lower_left.min(lower_right) {
-                return best;
-            }
-            // Equal boxes must not make a chain: among equals the lower child is taken.
-            let is_left = lower_left < lower_right
-                || (lower_left <= lower_right && self.height(node.left) <= self.height(node.right));
-            (index, area_with_box) = if is_left { (node.left, area_left) } else { (node.right, area_right) };
         }
-    }
-
-    /// A lower bound of the cost of the places at and below a node, and its area with the box.
-    fn cost_below(&self, index: u32, bounds: Aabb, growth_above: f64) -> (f64, f64) {
-        let node = self.node(index);
-        let area_with_box = node.bounds.union(bounds).half_area();
-        if node.is_leaf() {
-            return (growth_above + area_with_box, area_with_box);
-        }
-        // Beside a node below, the new parent holds the box at least, and this node grows.
-        let growth = area_with_box - node.bounds.half_area();
-        ((growth_above + growth + bounds.half_area()).min(growth_above + area_with_box), area_with_box)
     }
 }
 
-impl Tree for DynamicTree {
-    fn root(&self) -> Option<(NodeIndex, &Aabb)> {
-        (self.root != NONE).then(|| (NodeIndex(self.root), &self.node(self.root).bounds))
+impl Rooted for DynamicTree {
+    type Nodes = Pages<Node>;
+
+    fn forest(&self) -> &Forest<Pages<Node>> {
+        &self.forest
     }
 
-    fn expand(&self, node: NodeIndex) -> Expanded<'_> {
-        let node = self.node(node.0);
-        if node.is_leaf() {
-            return Expanded::Leaves(std::slice::from_ref(&node.right));
-        }
-        let (left, right) = (node.left, node.right);
-        Expanded::Children([(NodeIndex(left), &self.node(left).bounds), (NodeIndex(right), &self.node(right).bounds)])
+    fn waiting(&self) -> &[Large] {
+        &self.waiting
     }
 }

@@ -4,10 +4,17 @@
 //! offer some whose box does not. What is true is for the caller to decide on the canonical boxes and the shapes, so
 //! answers depend on neither the tree nor the order in which it was built.
 
+mod build;
 mod dynamic;
 mod fixed;
+mod forest;
+mod local;
+mod node;
+mod pairs;
+mod path;
 mod traverse;
 
 pub use dynamic::{DynamicTree, Refit};
 pub use fixed::StaticTree;
-pub use traverse::{Expanded, NodeIndex, Path, Toll, Tree, distance_at_least};
+pub use path::Path;
+pub use traverse::{ALL_LAYERS, Toll, Tree, distance_at_least};

@@ -1,35 +1,25 @@
 //! How a tree of boxes is searched: by a box, along a path with a shrinking limit, and nearest first.
 //!
 //! # Method
-//! There are two loops. One goes depth first, nearer child first, and serves boxes and paths: they differ only in the
-//! [`Probe`] that says whether and where a box is entered. The other takes the nearest open node from a heap, and so
-//! looks at no node that is farther than the final answer. Both skip a node only if its entry lies beyond the limit,
-//! which the visitor lowers as it finds certain hits. Stacks and heaps grow: no node is ever dropped.
-//!
-//! # Source
-//! Slab test: Williams, Barrus, Morley, Shirley, "An Efficient and Robust Ray-Box Intersection Algorithm", 2005, with
-//! the widening of Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013. Ize's factor covers the rounding of the test
-//! itself; what the caller's path was rounded by is added to the box (see [`Path`]).
+//! One loop for each kind of search. Each takes a node of four boxes at a time and goes on with those that qualify: by a
+//! box in any order, along a path the nearest entry first, and for the nearest from a list of open nodes in order, so that no
+//! node is looked at that is farther than the final answer. A node is skipped only if it lies beyond the limit, which the
+//! visitor lowers as it finds certain hits. Stacks and lists grow: no node is ever dropped. They have room for a usual
+//! tree, so that a search asks for no memory.
 
-use std::{cmp::Ordering, collections::BinaryHeap, ops::ControlFlow};
+use std::ops::ControlFlow;
 
-use glam::{BVec3, DVec3};
+use glam::Vec4;
 use smallvec::SmallVec;
 
+use super::{
+    forest::{Cell, Forest, Nodes, Rooted},
+    local::LocalBox,
+    node::{Child, Lanes, NO_NODE, Node, Target},
+    pairs::each_pair,
+    path::{LocalPath, Path},
+};
 use crate::{answer::Work, math::Aabb, tolerance};
-
-/// Names a node of the tree it came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct NodeIndex(pub(super) u32);
-
-/// What a node holds.
-#[derive(Clone, Copy, Debug)]
-pub enum Expanded<'a> {
-    /// Two nodes, and their boxes.
-    Children([(NodeIndex, &'a Aabb); 2]),
-    /// Leaf numbers.
-    Leaves(&'a [u32]),
-}
 
 /// What a search costs its caller: it is told of each node, and may call the search off.
 pub trait Toll {
@@ -53,39 +43,13 @@ impl Toll for Work {
     }
 }
 
-/// The way of a point or of a box: `origin + t * direction` for `t >= 0`, and all points within `reach` of it in each
-/// component.
-#[derive(Clone, Copy, Debug)]
-pub struct Path {
-    /// Where it begins (for a box: its centre).
-    pub origin: DVec3,
-    /// Of any length but 0, components up to 1e150; `t` counts multiples of it.
-    pub direction: DVec3,
-    /// Half extents of the mover, plus how far from this path the true one may be; 0 for an exact ray. Each at least 0.
-    pub reach: DVec3,
-}
+/// Every layer: nothing is passed over because of those it is on.
+pub const ALL_LAYERS: u32 = u32::MAX;
 
-impl Path {
-    /// A `t` before which the path does not enter `bounds`, at least 0; `None` if it surely enters it nowhere from 0 to
-    /// `limit`. Whenever this is `Some`, a search along this path offers a leaf of that box.
-    #[must_use]
-    pub fn entry(&self, bounds: &Aabb, limit: f64) -> Option<f64> {
-        Slabs::new(self, bounds).entry(bounds, limit)
-    }
-}
-
-/// A tree of boxes that can be searched.
+/// A tree of boxes that can be searched. Leaves that are on none of the `layers` of a search may be passed over.
 pub trait Tree {
-    /// The root and its box; `None` if the tree is empty.
-    fn root(&self) -> Option<(NodeIndex, &Aabb)>;
-
-    /// What a node holds.
-    fn expand(&self, node: NodeIndex) -> Expanded<'_>;
-
-    /// The box of everything in it; `None` if it is empty.
-    fn bounds(&self) -> Option<Aabb> {
-        self.root().map(|(_, bounds)| *bounds)
-    }
+    /// The box of everything in it, rounded outwards; `None` if it is empty.
+    fn bounds(&self) -> Option<Aabb>;
 
     /// Visits every leaf whose box touches `query` (and maybe others), until the visitor breaks.
     ///
@@ -94,20 +58,13 @@ pub trait Tree {
     fn visit_box<T: Toll>(
         &self,
         query: Aabb,
+        layers: u32,
         toll: &mut T,
-        mut visit: impl FnMut(&mut T, u32) -> Result<ControlFlow<()>, T::Stop>,
-    ) -> Result<(), T::Stop> {
-        depth_first(self, &query, f64::INFINITY, toll, |toll, leaf, _| {
-            Ok(match visit(toll, leaf)? {
-                ControlFlow::Continue(()) => f64::INFINITY,
-                ControlFlow::Break(()) => f64::NEG_INFINITY,
-            })
-        })
-    }
+        visit: impl FnMut(&mut T, u32) -> Result<ControlFlow<()>, T::Stop>,
+    ) -> Result<(), T::Stop>;
 
-    /// Visits every leaf whose box `path` enters at a `t` of at most `limit` (and maybe others), roughly in order.
-    /// The visitor gets the leaf and a `t` before which its box is not entered, and returns the new limit;
-    /// −∞ ends the search. A limit above the old one has no effect.
+    /// Visits every leaf whose box `path` enters at a `t` of at most `limit` (and maybe others), roughly in order. The
+    /// visitor returns the new limit; −∞ ends the search. A limit above the old one has no effect.
     ///
     /// # Errors
     /// What `toll` or `visit` returned.
@@ -115,18 +72,13 @@ pub trait Tree {
         &self,
         path: &Path,
         limit: f64,
+        layers: u32,
         toll: &mut T,
-        visit: impl FnMut(&mut T, u32, f64) -> Result<f64, T::Stop>,
-    ) -> Result<(), T::Stop> {
-        let Some((_, bounds)) = self.root() else {
-            return Ok(());
-        };
-        depth_first(self, &Slabs::new(path, bounds), limit, toll, visit)
-    }
+        visit: impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
+    ) -> Result<(), T::Stop>;
 
     /// Visits every leaf whose box is within `limit` metres of `query` (and maybe others), nearest node first. The
-    /// visitor gets the leaf and a distance below which its box is not, and returns the new limit; −∞ ends the search.
-    /// A limit above the old one has no effect.
+    /// visitor returns the new limit; −∞ ends the search. A limit above the old one has no effect.
     ///
     /// # Errors
     /// What `toll` or `visit` returned.
@@ -134,150 +86,103 @@ pub trait Tree {
         &self,
         query: Aabb,
         limit: f64,
+        layers: u32,
         toll: &mut T,
-        visit: impl FnMut(&mut T, u32, f64) -> Result<f64, T::Stop>,
+        visit: impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
+    ) -> Result<(), T::Stop>;
+
+    /// Visits every pair of leaves whose boxes touch (and maybe others), each pair once, in no certain order.
+    ///
+    /// # Errors
+    /// What `toll` or `visit` returned.
+    fn visit_pairs<T: Toll>(
+        &self,
+        toll: &mut T,
+        visit: impl FnMut(&mut T, u32, u32) -> Result<(), T::Stop>,
+    ) -> Result<(), T::Stop>;
+}
+
+impl<R: Rooted> Tree for R {
+    fn bounds(&self) -> Option<Aabb> {
+        let forest = self.forest();
+        let cells = forest.cells.iter().filter_map(|cell| forest.bounds_of(cell));
+        cells.chain(self.listed().map(|large| large.bounds)).reduce(Aabb::union)
+    }
+
+    fn visit_box<T: Toll>(
+        &self,
+        query: Aabb,
+        layers: u32,
+        toll: &mut T,
+        mut visit: impl FnMut(&mut T, u32) -> Result<ControlFlow<()>, T::Stop>,
     ) -> Result<(), T::Stop> {
-        best_first(self, query, limit, toll, visit)
-    }
-}
-
-/// Decides whether and where a search enters a box.
-trait Probe {
-    /// A value at or below the true entry, at least 0, or `None` if the box is surely not entered at or before `limit`.
-    fn entry(&self, bounds: &Aabb, limit: f64) -> Option<f64>;
-}
-
-impl Probe for Aabb {
-    fn entry(&self, bounds: &Aabb, _limit: f64) -> Option<f64> {
-        self.intersects(*bounds).then_some(0.0)
-    }
-}
-
-/// A path made ready for slab tests against the boxes of one tree.
-struct Slabs {
-    origin: DVec3,
-    /// ±∞ where the direction is ±0: then a box is entered in that axis at all times or never.
-    inverse: DVec3,
-    backwards: BVec3,
-    /// The path's reach, and what rounding the walls of a box can shift them by.
-    reach: DVec3,
-}
-
-impl Slabs {
-    /// Rounding, derived: a wall is computed as `fl(b ∓ reach)`, off by at most `u(|b| + reach)`, and `reach` itself
-    /// was rounded when this slack was added; all other operations have relative errors in `t` only, which
-    /// [`tolerance::SLAB_WIDENING`] covers. The path's own origin counts as well, because callers compute it from
-    /// positions of that size. The largest component counts for all three, so that a component of the direction whose
-    /// inverse overflows cannot lose a box whose wall is a denormal away.
-    fn new(path: &Path, bounds: &Aabb) -> Self {
-        let walls = bounds.min.abs().max(bounds.max.abs());
-        let magnitude = (walls + path.reach + path.origin.abs()).max_element();
-        Self {
-            origin: path.origin,
-            inverse: path.direction.recip(),
-            backwards: signs(path.direction),
-            reach: path.reach + magnitude * tolerance::SLAB_SLACK,
-        }
-    }
-}
-
-/// The sign bits of a vector; −0 counts as negative, so that its inverse −∞ is met by the right wall.
-fn signs(v: DVec3) -> BVec3 {
-    BVec3::new(v.x.is_sign_negative(), v.y.is_sign_negative(), v.z.is_sign_negative())
-}
-
-impl Probe for Slabs {
-    fn entry(&self, bounds: &Aabb, limit: f64) -> Option<f64> {
-        let (low, high) = (bounds.min - self.reach, bounds.max + self.reach);
-        let near = (DVec3::select(self.backwards, high, low) - self.origin) * self.inverse;
-        let far = (DVec3::select(self.backwards, low, high) - self.origin) * self.inverse;
-        // The origin in a wall and no motion across it is 0 · ∞ = NaN. As the first operand of these it drops out:
-        // the wall counts as entered, which is the safe branch.
-        let entry = larger(near.x, larger(near.y, larger(near.z, 0.0)));
-        let exit = smaller(far.x, smaller(far.y, smaller(far.z, limit)));
-        (entry <= exit * tolerance::SLAB_WIDENING).then_some(entry * tolerance::SLAB_NARROWING)
-    }
-}
-
-/// The larger one; `b` if `a` is NaN.
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// The smaller one; `b` if `a` is NaN.
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// Nodes that wait: enough for a tree of the usual depth without asking for memory.
-type Stack = SmallVec<[(NodeIndex, f64); 32]>;
-
-/// The one depth-first loop. The visitor gets the leaf and the entry of its node, and returns the new limit.
-fn depth_first<T: Toll>(
-    tree: &(impl Tree + ?Sized),
-    probe: &impl Probe,
-    mut limit: f64,
-    toll: &mut T,
-    mut visit: impl FnMut(&mut T, u32, f64) -> Result<f64, T::Stop>,
-) -> Result<(), T::Stop> {
-    let Some((root, bounds)) = tree.root() else {
-        return Ok(());
-    };
-    let mut stack = Stack::new();
-    stack.extend(probe.entry(bounds, limit).map(|entry| (root, entry)));
-    while let Some((node, entry)) = stack.pop() {
-        if entry > limit {
-            continue;
-        }
-        toll.pay()?;
-        match tree.expand(node) {
-            Expanded::Leaves(leaves) => {
-                for &leaf in leaves {
-                    limit = limit.min(visit(toll, leaf, entry)?);
-                }
-            }
-            Expanded::Children([(a, box_a), (b, box_b)]) => {
-                match (probe.entry(box_a, limit), probe.entry(box_b, limit)) {
-                    (Some(entry_a), Some(entry_b)) if entry_a <= entry_b => {
-                        stack.push((b, entry_b));
-                        stack.push((a, entry_a));
-                    }
-                    (first, second) => {
-                        stack.extend(first.map(|entry| (a, entry)));
-                        stack.extend(second.map(|entry| (b, entry)));
-                    }
-                }
+        let forest = self.forest();
+        for large in self.listed().filter(|large| large.layers & layers != 0) {
+            if large.bounds.intersects(query) && visit(toll, large.leaf)?.is_break() {
+                return Ok(());
             }
         }
+        for cell in &forest.cells {
+            if touch(forest, cell, query, layers, toll, &mut visit)?.is_break() {
+                return Ok(());
+            }
+        }
+        Ok(())
     }
-    Ok(())
-}
 
-/// A node of the heap: the smallest distance is the greatest, the lower index wins ties.
-struct Open {
-    distance: f64,
-    node: NodeIndex,
-}
+    fn visit_ray<T: Toll>(
+        &self,
+        path: &Path,
+        limit: f64,
+        layers: u32,
+        toll: &mut T,
+        mut visit: impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
+    ) -> Result<(), T::Stop> {
+        let forest = self.forest();
+        let mut limit = limit;
+        for large in self.listed().filter(|large| large.layers & layers != 0) {
+            if path.entry(&large.bounds, limit).is_some() {
+                limit = limit.min(visit(toll, large.leaf)?);
+            }
+        }
+        let first_limit = limit;
+        let begins = |bounds: Aabb| path.entry(&bounds, first_limit);
+        for (cell, bounds) in in_order(forest, begins) {
+            limit = follow(forest, cell, path, (bounds, limit), layers, toll, &mut visit)?;
+        }
+        Ok(())
+    }
 
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.distance.total_cmp(&self.distance).then_with(|| other.node.cmp(&self.node))
+    fn visit_nearest<T: Toll>(
+        &self,
+        query: Aabb,
+        limit: f64,
+        layers: u32,
+        toll: &mut T,
+        mut visit: impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
+    ) -> Result<(), T::Stop> {
+        let forest = self.forest();
+        let mut limit = limit;
+        for large in self.listed().filter(|large| large.layers & layers != 0) {
+            if distance_at_least(query, large.bounds) <= limit {
+                limit = limit.min(visit(toll, large.leaf)?);
+            }
+        }
+        let begins = |bounds: Aabb| Some(distance_at_least(query, bounds));
+        for (cell, _) in in_order(forest, begins) {
+            limit = approach(forest, cell, query, limit, layers, toll, &mut visit)?;
+        }
+        Ok(())
+    }
+
+    fn visit_pairs<T: Toll>(
+        &self,
+        toll: &mut T,
+        visit: impl FnMut(&mut T, u32, u32) -> Result<(), T::Stop>,
+    ) -> Result<(), T::Stop> {
+        each_pair(self, toll, visit)
     }
 }
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Open {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Open {}
 
 /// Metres, not above the true distance of two boxes: the root of a sum of squares is off by a few rounded operations,
 /// unless the squares are so small that they lose digits; then 0 is said. Never larger for a larger box.
@@ -287,39 +192,174 @@ pub fn distance_at_least(a: Aabb, b: Aabb) -> f64 {
     if distance_sq > tolerance::SQUARE_MIN { distance_sq.sqrt() * tolerance::SLAB_NARROWING } else { 0.0 }
 }
 
-/// The one best-first loop.
-fn best_first<T: Toll>(
-    tree: &(impl Tree + ?Sized),
-    query: Aabb,
-    mut limit: f64,
-    toll: &mut T,
-    mut visit: impl FnMut(&mut T, u32, f64) -> Result<f64, T::Stop>,
-) -> Result<(), T::Stop> {
-    let Some((root, bounds)) = tree.root() else {
-        return Ok(());
+/// The cells whose boxes have a value, and these boxes, the least value first.
+fn in_order<N: Nodes>(forest: &Forest<N>, value: impl Fn(Aabb) -> Option<f64>) -> impl Iterator<Item = (&Cell, Aabb)> {
+    let valued = |cell| {
+        let bounds = forest.bounds_of(cell)?;
+        Some((value(bounds)?, cell, bounds))
     };
-    let mut open = BinaryHeap::new();
-    open.push(Open { distance: distance_at_least(query, *bounds), node: root });
-    while let Some(Open { distance, node }) = open.pop() {
-        if distance > limit {
-            return Ok(());
-        }
+    let mut found: SmallVec<[(f64, &Cell, Aabb); 2]> = forest.cells.iter().filter_map(valued).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.into_iter().map(|(_, cell, bounds)| (cell, bounds))
+}
+
+/// The loop of a search by a box.
+pub(super) fn touch<T: Toll, N: Nodes>(
+    forest: &Forest<N>,
+    cell: &Cell,
+    query: Aabb,
+    layers: u32,
+    toll: &mut T,
+    visit: &mut impl FnMut(&mut T, u32) -> Result<ControlFlow<()>, T::Stop>,
+) -> Result<ControlFlow<()>, T::Stop> {
+    if cell.root == NO_NODE {
+        return Ok(ControlFlow::Continue(()));
+    }
+    let query = LocalBox::around(query, cell.origin).splat();
+    let mut stack: SmallVec<[u32; 64]> = SmallVec::new();
+    let mut next = Some(cell.root);
+    while let Some(index) = next {
         toll.pay()?;
-        match tree.expand(node) {
-            Expanded::Leaves(leaves) => {
-                for &leaf in leaves {
-                    limit = limit.min(visit(toll, leaf, distance)?);
-                }
-            }
-            Expanded::Children(children) => {
-                for (node, bounds) in children {
-                    let distance = distance_at_least(query, *bounds);
-                    if distance <= limit {
-                        open.push(Open { distance, node });
+        let node = forest.nodes.node(index);
+        for lane in node.on_layers(node.touching(&query), layers) {
+            match node.children[lane].target() {
+                Target::Node(below) => stack.push(below),
+                Target::Leaf(leaf) => {
+                    if visit(toll, leaf)?.is_break() {
+                        return Ok(ControlFlow::Break(()));
                     }
                 }
+                Target::Nothing => {}
             }
         }
+        next = stack.pop();
     }
-    Ok(())
+    Ok(ControlFlow::Continue(()))
+}
+
+/// Something to look at, and where it begins.
+#[derive(Clone, Copy)]
+struct Open {
+    begins: f32,
+    child: Child,
+}
+
+/// The loop of a search along a path, in the box of a cell up to a limit; the limit at its end.
+fn follow<T: Toll, N: Nodes>(
+    forest: &Forest<N>,
+    cell: &Cell,
+    path: &Path,
+    (bounds, mut limit): (Aabb, f64),
+    layers: u32,
+    toll: &mut T,
+    visit: &mut impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
+) -> Result<f64, T::Stop> {
+    let Some(path) = LocalPath::new(path, &bounds, cell.origin, limit) else {
+        return Ok(limit);
+    };
+    let mut local_limit = path.limit(limit);
+    let mut stack: SmallVec<[Open; 64]> = SmallVec::new();
+    stack.push(Open { begins: 0.0, child: Child::node(cell.root) });
+    while let Some(open) = stack.pop() {
+        if open.begins > local_limit {
+            continue;
+        }
+        match open.child.target() {
+            Target::Node(index) => {
+                toll.pay()?;
+                let node = forest.nodes.node(index);
+                let (lanes, entries) = path.entering(node, local_limit);
+                push_in_order(&mut stack, node, node.on_layers(lanes, layers), entries);
+            }
+            Target::Leaf(leaf) => {
+                let found = visit(toll, leaf)?;
+                if found < limit {
+                    limit = found;
+                    local_limit = path.limit(limit);
+                }
+            }
+            Target::Nothing => {}
+        }
+    }
+    Ok(limit)
+}
+
+/// Puts lanes on a stack so that the nearest comes off first.
+fn push_in_order(stack: &mut SmallVec<[Open; 64]>, node: &Node, lanes: Lanes, entries: Vec4) {
+    let base = stack.len();
+    let entries = entries.to_array();
+    for lane in lanes {
+        let open = Open { begins: entries[lane], child: node.children[lane] };
+        stack.push(open);
+        let mut at = stack.len() - 1;
+        while at > base && stack[at - 1].begins < open.begins {
+            stack[at] = stack[at - 1];
+            at -= 1;
+        }
+        stack[at] = open;
+    }
+}
+
+/// The loop of a search for the nearest; the limit at its end. Distances are squared in it.
+fn approach<T: Toll, N: Nodes>(
+    forest: &Forest<N>,
+    cell: &Cell,
+    query: Aabb,
+    limit: f64,
+    layers: u32,
+    toll: &mut T,
+    visit: &mut impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
+) -> Result<f64, T::Stop> {
+    let mut limit = limit;
+    let mut limit_sq = squared(limit);
+    let query = LocalBox::around(query, cell.origin).splat();
+    // Open nodes and leaves, the farthest first.
+    let mut open: SmallVec<[Open; 64]> = SmallVec::new();
+    open.push(Open { begins: 0.0, child: Child::node(cell.root) });
+    while let Some(nearest) = open.pop() {
+        if nearest.begins > limit_sq {
+            break;
+        }
+        match nearest.child.target() {
+            Target::Node(index) => {
+                toll.pay()?;
+                let node = forest.nodes.node(index);
+                let distances_sq = distances_sq(node, &query);
+                let lanes = Lanes::of(distances_sq.cmple(Vec4::splat(limit_sq)));
+                for lane in node.on_layers(lanes, layers).filter(|&lane| node.children[lane] != Child::NOTHING) {
+                    let found = Open { begins: distances_sq[lane], child: node.children[lane] };
+                    let at = open.partition_point(|other| other.begins > found.begins);
+                    open.insert(at, found);
+                }
+            }
+            Target::Leaf(leaf) => {
+                let found = visit(toll, leaf)?;
+                if found < limit {
+                    limit = found;
+                    limit_sq = squared(limit);
+                }
+            }
+            Target::Nothing => {}
+        }
+    }
+    Ok(limit)
+}
+
+/// Not below the square of a distance; −∞ for less than 0, which is no distance.
+fn squared(limit: f64) -> f32 {
+    if limit < 0.0 {
+        f32::NEG_INFINITY
+    } else {
+        (limit * limit * tolerance::TREE_LIMIT_WIDENING) as f32 + f32::MIN_POSITIVE
+    }
+}
+
+/// Not above the squared distances of the boxes of a node to a box.
+fn distances_sq(node: &Node, query: &[Vec4; 6]) -> Vec4 {
+    let gap = |axis: usize| {
+        let (below, above) = (query[axis] - node.planes[axis + 3], node.planes[axis] - query[axis + 3]);
+        below.max(above).max(Vec4::ZERO)
+    };
+    let (x, y, z) = (gap(0), gap(1), gap(2));
+    (x * x + y * y + z * z) * tolerance::TREE_NARROWING
 }

@@ -55,7 +55,7 @@ impl Snapshot {
         for (_, entry) in state.shapes.iter() {
             bounds = Some(bounds.map_or(entry.bounds, |bounds| bounds.union(entry.bounds)));
             geometries.push(&entry.shape.geometry);
-            if entry.leaf.is_some() {
+            if !entry.is_static() {
                 moving_boxes.push(entry.bounds);
             }
         }

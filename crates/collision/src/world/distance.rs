@@ -94,7 +94,7 @@ impl Snapshot {
             question.ask(&subject, &other, accuracy, meter).into_iter().for_each(|neighbor| best.add(neighbor));
         } else {
             let sieve = Sieve::new(filter, subject.shape);
-            self.near(subject.bounds, question.max_distance, meter, |meter, other| {
+            self.near(subject.bounds, question.max_distance, sieve.layers_seen(), meter, |meter, other| {
                 let least = distance_at_least(subject.bounds, other.bounds);
                 if least <= best.limit() && sieve.passes(&other) {
                     meter.look()?;

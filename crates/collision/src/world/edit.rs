@@ -135,6 +135,7 @@ impl World {
                 }
             }
         }
+        state.moving.settle();
         let tick = self.newest.tick.saturating_add(1);
         self.newest = Arc::new(Snapshot { tick, time, state });
         Ok(EditReport { tick, changed_count, faults })

@@ -1,5 +1,7 @@
 //! Which shapes a question sees.
 
+use smallvec::SmallVec;
+
 use super::{Mobility, Shape, ShapeId, search::Side};
 
 /// Which shapes a question sees: those with `(shape.layers & collides_with) != 0` and
@@ -30,14 +32,14 @@ pub(super) struct Sieve<'a> {
     collides_with: u32,
     /// The asker and its group, if it is a shape of the world.
     asker: Option<(ShapeId, u32)>,
-    /// Sorted.
-    exclude_ids: Vec<ShapeId>,
+    /// Sorted; a usual list has room here.
+    exclude_ids: SmallVec<[ShapeId; 16]>,
 }
 
 impl<'a> Sieve<'a> {
     /// The filter for an asker, which may be a shape of the world.
     pub(super) fn new(filter: &'a Filter, asker: Option<&Shape>) -> Self {
-        let mut exclude_ids = filter.exclude_ids.clone();
+        let mut exclude_ids = SmallVec::from_slice(&filter.exclude_ids);
         exclude_ids.sort_unstable();
         Self {
             filter,
@@ -46,6 +48,11 @@ impl<'a> Sieve<'a> {
             asker: asker.map(|shape| (shape.id, shape.group)),
             exclude_ids,
         }
+    }
+
+    /// The layers that the asker sees: shapes on none of them need not be offered.
+    pub(super) fn layers_seen(&self) -> u32 {
+        self.collides_with
     }
 
     /// Whether the asker sees a side; a form that is no shape of the world it sees.

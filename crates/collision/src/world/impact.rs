@@ -135,7 +135,7 @@ impl Snapshot {
         let bounds = turning_bounds(&subject, question.rotation);
         let path = sweep(bounds, question.displacement, DVec3::ZERO);
         let sieve = Sieve::new(filter, subject.shape);
-        self.along(&path, 1.0, meter, |meter, other| {
+        self.along(&path, 1.0, sieve.layers_seen(), meter, |meter, other| {
             let limit = gathered.limit().min(1.0);
             let may_touch = path.entry(&other.bounds, limit).is_some_and(|least| least <= limit);
             if may_touch && !other.is_sensor() && sieve.passes(&other) {

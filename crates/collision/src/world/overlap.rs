@@ -42,13 +42,10 @@ impl Snapshot {
         meter: &mut Meter<'_>,
     ) -> Result<Found<OverlapHit>, QuestionError> {
         let subject = self.subject(&question.subject)?;
-        let others = match self.against(question.against.as_ref())? {
-            Some(other) => vec![other],
-            None => self.seen_in(subject.bounds, subject.shape, filter, meter)?,
-        };
+        let others = self.others_in(subject.bounds, &subject, question.against.as_ref(), filter, meter)?;
         let mut hits = Vec::new();
         let mut truncated = false;
-        for other in others.iter().filter(|other| other.bounds.intersects(subject.bounds)) {
+        for other in &others {
             if let Some(hit) = touch(&subject, other, accuracy, meter)? {
                 // The search was in order of ids: what comes now has a higher one.
                 if hits.len() == question.max_hits {

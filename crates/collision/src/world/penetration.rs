@@ -64,12 +64,9 @@ impl Snapshot {
     ) -> Result<Found<Contact>, QuestionError> {
         let subject = self.subject(&question.subject)?;
         let query = outward(subject.bounds, question.max_gap);
-        let others = match self.against(question.against.as_ref())? {
-            Some(other) => vec![other],
-            None => self.seen_in(query, subject.shape, filter, meter)?,
-        };
+        let others = self.others_in(query, &subject, question.against.as_ref(), filter, meter)?;
         let mut hits = Vec::new();
-        for other in others.iter().filter(|other| other.bounds.intersects(query)) {
+        for other in &others {
             meter.look()?;
             let contacts =
                 narrow::penetration(subject.placed, other.placed, question.max_gap, accuracy, &mut meter.work)

@@ -103,7 +103,7 @@ impl Snapshot {
         let track = Track::new(ray);
         let sieve = Sieve::new(filter, None);
         let mut gathered = Gathered::new(question.mode);
-        self.along(&track.path, track.limit(ray.max_distance), meter, |meter, other| {
+        self.along(&track.path, track.limit(ray.max_distance), sieve.layers_seen(), meter, |meter, other| {
             let limit = gathered.limit().min(ray.max_distance);
             if let Some(least) = track.entry(other.bounds, limit)
                 && let Some(id) = other.id()
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
     use crate::{
         answer::Work,
-        broad::{StaticTree, Tree},
+        broad::{ALL_LAYERS, StaticTree, Tree},
         narrow::Faces,
     };
 
@@ -155,7 +155,7 @@ mod tests {
             let least = track.entry(bounds, 4e12).expect("it goes through");
             let mut offered = false;
             let tree = StaticTree::build(&[bounds]);
-            let Ok(()) = tree.visit_ray(&track.path, track.limit(least), &mut Work::default(), |_, _, _| {
+            let Ok(()) = tree.visit_ray(&track.path, track.limit(least), ALL_LAYERS, &mut Work::default(), |_, _| {
                 offered = true;
                 Ok(f64::INFINITY)
             });

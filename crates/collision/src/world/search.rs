@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use smallvec::{SmallVec, smallvec};
+
 use super::{
     Filter, Meter, QuestionError, Shape, ShapeId, Snapshot, Subject,
     filter::Sieve,
@@ -54,6 +56,9 @@ impl<'a> Side<'a> {
     }
 }
 
+/// Sides in order; those that a usual question sees have room here.
+pub(super) type Sides<'a> = SmallVec<[Side<'a>; 64]>;
+
 /// Larger by `margin` on each side, rounded outwards.
 pub(super) fn outward(bounds: Aabb, margin: f64) -> Aabb {
     let inflated = bounds.inflated(margin);
@@ -75,6 +80,22 @@ impl Snapshot {
         against.map(|against| self.side(against)).transpose().map_err(QuestionError::AgainstNotFound)
     }
 
+    /// What it is asked against, by id: that which it names, or what of the world touches `query`.
+    pub(super) fn others_in<'a>(
+        &'a self,
+        query: Aabb,
+        subject: &Side<'_>,
+        against: Option<&'a Subject>,
+        filter: &Filter,
+        meter: &mut Meter<'_>,
+    ) -> Result<Sides<'a>, QuestionError> {
+        match self.against(against)? {
+            Some(other) if other.bounds.intersects(query) => Ok(smallvec![other]),
+            Some(_) => Ok(Sides::new()),
+            None => self.seen_in(query, subject.shape, filter, meter),
+        }
+    }
+
     fn side<'a>(&'a self, subject: &'a Subject) -> Result<Side<'a>, ShapeId> {
         match subject {
             Subject::Geometry { geometry, pose } => Ok(Side::at(geometry, *pose, None)),
@@ -94,15 +115,15 @@ impl Snapshot {
     }
 
     /// What an asker sees of what touches `query`, by id.
-    pub(super) fn seen_in(
+    fn seen_in(
         &self,
         query: Aabb,
         asker: Option<&Shape>,
         filter: &Filter,
         meter: &mut Meter<'_>,
-    ) -> Result<Vec<Side<'_>>, QuestionError> {
+    ) -> Result<Sides<'_>, QuestionError> {
         let sieve = Sieve::new(filter, asker);
-        let mut seen = Vec::new();
+        let mut seen = Sides::new();
         let mut see = |slot: Slot| {
             let side = self.side_in(slot);
             if side.bounds.intersects(query) && sieve.passes(&side) {
@@ -112,9 +133,9 @@ impl Snapshot {
         };
         if self.state.static_count > 0 {
             let fixed = self.state.fixed();
-            fixed.tree.visit_box(query, meter, |_, leaf| see(fixed.slot(leaf)))?;
+            fixed.tree.visit_box(query, sieve.layers_seen(), meter, |_, leaf| see(fixed.slot(leaf)))?;
         }
-        self.state.moving.visit_box(query, meter, |_, leaf| see(Slot(leaf)))?;
+        self.state.moving.visit_box(query, sieve.layers_seen(), meter, |_, leaf| see(Slot(leaf)))?;
         seen.sort_unstable_by_key(Side::id);
         Ok(seen)
     }
@@ -124,17 +145,18 @@ impl Snapshot {
         &self,
         path: &Path,
         mut limit: f64,
+        layers: u32,
         meter: &mut Meter<'m>,
         mut visit: impl FnMut(&mut Meter<'m>, Side<'_>) -> Result<f64, QuestionError>,
     ) -> Result<(), QuestionError> {
         if self.state.static_count > 0 {
             let fixed = self.state.fixed();
-            fixed.tree.visit_ray(path, limit, meter, |meter, leaf, _| {
+            fixed.tree.visit_ray(path, limit, layers, meter, |meter, leaf| {
                 limit = limit.min(visit(meter, self.side_in(fixed.slot(leaf)))?);
                 Ok(limit)
             })?;
         }
-        self.state.moving.visit_ray(path, limit, meter, |meter, leaf, _| visit(meter, self.side_in(Slot(leaf))))
+        self.state.moving.visit_ray(path, limit, layers, meter, |meter, leaf| visit(meter, self.side_in(Slot(leaf))))
     }
 
     /// Visits the shapes whose boxes may be within `limit` metres of `query`, in each tree the nearest first. The visitor
@@ -143,16 +165,19 @@ impl Snapshot {
         &self,
         query: Aabb,
         mut limit: f64,
+        layers: u32,
         meter: &mut Meter<'m>,
         mut visit: impl FnMut(&mut Meter<'m>, Side<'_>) -> Result<f64, QuestionError>,
     ) -> Result<(), QuestionError> {
         if self.state.static_count > 0 {
             let fixed = self.state.fixed();
-            fixed.tree.visit_nearest(query, limit, meter, |meter, leaf, _| {
+            fixed.tree.visit_nearest(query, limit, layers, meter, |meter, leaf| {
                 limit = limit.min(visit(meter, self.side_in(fixed.slot(leaf)))?);
                 Ok(limit)
             })?;
         }
-        self.state.moving.visit_nearest(query, limit, meter, |meter, leaf, _| visit(meter, self.side_in(Slot(leaf))))
+        self.state
+            .moving
+            .visit_nearest(query, limit, layers, meter, |meter, leaf| visit(meter, self.side_in(Slot(leaf))))
     }
 }

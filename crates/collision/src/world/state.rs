@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::{
-    Edit, Mobility, Shape, ShapeId,
+    Edit, Shape, ShapeId,
     directory::Directory,
     edit::Motion,
     store::{Entry, Slot, Store},
@@ -35,9 +35,10 @@ pub(super) struct Fixed {
 
 impl Fixed {
     fn build(shapes: &Store) -> Self {
-        let (slots, boxes): (Vec<Slot>, Vec<Aabb>) =
-            shapes.iter().filter(|(_, entry)| entry.leaf.is_none()).map(|(slot, entry)| (slot, entry.bounds)).unzip();
-        Self { tree: StaticTree::build(&boxes), slots }
+        let entries = shapes.iter().filter(|(_, entry)| entry.is_static());
+        let (slots, boxes): (Vec<Slot>, Vec<(Aabb, u32)>) =
+            entries.map(|(slot, entry)| (slot, (entry.bounds, entry.shape.layers))).unzip();
+        Self { tree: StaticTree::build_on_layers(boxes.into_iter()), slots }
     }
 
     /// The slot of a leaf.
@@ -108,17 +109,17 @@ impl State {
     fn insert(&mut self, shape: Shape) {
         self.remove(shape.id);
         let id = shape.id;
-        let is_static = shape.mobility == Mobility::Static;
-        let bounds = shape.geometry.bounds(&shape.pose);
-        let leaf = None;
-        let slot = self.shapes.insert(Entry { shape, bounds, leaf });
+        let (bounds, layers) = (shape.geometry.bounds(&shape.pose), shape.layers);
+        let entry = Entry { shape, bounds };
+        let is_static = entry.is_static();
+        let slot = self.shapes.insert(entry);
         self.ids.insert(id, slot);
         if is_static {
             self.static_count += 1;
             self.forget_fixed();
         } else {
             // How fast it moves is not known yet, and most shapes of a level never do.
-            self.shapes.entry_mut(slot).leaf = Some(self.moving.insert(slot.0, bounds, 0.0));
+            self.moving.insert(slot.0, bounds, 0.0, layers);
         }
     }
 
@@ -127,12 +128,11 @@ impl State {
         let Some(slot) = self.ids.remove(id) else {
             return false;
         };
-        match self.shapes.entry(slot).leaf {
-            Some(leaf) => self.moving.remove(leaf),
-            None => {
-                self.static_count -= 1;
-                self.forget_fixed();
-            }
+        if self.shapes.entry(slot).is_static() {
+            self.static_count -= 1;
+            self.forget_fixed();
+        } else {
+            self.moving.remove(slot.0);
         }
         self.shapes.remove(slot);
         true
@@ -152,13 +152,12 @@ impl State {
         };
         entry.shape.pose = pose;
         entry.bounds = bounds;
-        match entry.leaf {
-            Some(leaf) => {
-                let extent = (bounds.max - bounds.min).max_element();
-                let margin = (MARGIN_PER_STEP * step).min(MARGIN_PER_EXTENT * extent);
-                self.moving.update(leaf, bounds, margin);
-            }
-            None => self.forget_fixed(),
+        if entry.is_static() {
+            self.forget_fixed();
+        } else {
+            let extent = (bounds.max - bounds.min).max_element();
+            let margin = (MARGIN_PER_STEP * step).min(MARGIN_PER_EXTENT * extent);
+            self.moving.update(slot.0, bounds, margin);
         }
     }
 

@@ -1,6 +1,10 @@
 //! Where the shapes of a world are kept.
 
-use crate::{broad::NodeIndex, math::Aabb, pages::Pages, world::Shape};
+use crate::{
+    math::Aabb,
+    pages::Pages,
+    world::{Mobility, Shape},
+};
 
 /// Where a shape is kept; used again when the shape is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,8 +17,13 @@ pub(super) struct Entry {
     pub(super) shape: Shape,
     /// Its canonical box: the first judge of every question.
     pub(super) bounds: Aabb,
-    /// Its leaf in the dynamic tree; `None` for a static shape.
-    pub(super) leaf: Option<NodeIndex>,
+}
+
+impl Entry {
+    /// Whether it is in the static tree, not in the dynamic one.
+    pub(super) fn is_static(&self) -> bool {
+        self.shape.mobility == Mobility::Static
+    }
 }
 
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use std::{
 use collision::{
     DVec3,
     answer::Work,
-    broad::{DynamicTree, StaticTree, Tree},
+    broad::{ALL_LAYERS, DynamicTree, StaticTree, Tree},
     math::Aabb,
 };
 
@@ -40,7 +40,7 @@ fn boxes(file: &Path) -> Vec<Aabb> {
 fn pairs(tree: &impl Tree, boxes: &[Aabb]) -> (u64, u64) {
     let (mut count, mut hash) = (0, 0_u64);
     for (i, bounds) in (0_u64..).zip(boxes) {
-        let Ok(()) = tree.visit_box(*bounds, &mut Work::default(), |_, leaf| {
+        let Ok(()) = tree.visit_box(*bounds, ALL_LAYERS, &mut Work::default(), |_, leaf| {
             let j = u64::from(leaf);
             if i < j && boxes[leaf as usize].intersects(*bounds) {
                 count += 1;
@@ -69,8 +69,9 @@ fn both_trees_find_the_pairs_of_the_shared_sets() {
         let mut tree = DynamicTree::default();
         let margin = boxes[0].half_area().sqrt();
         for (leaf, bounds) in (0..).zip(&boxes) {
-            tree.insert(leaf, *bounds, margin);
+            tree.insert(leaf, *bounds, margin, ALL_LAYERS);
         }
+        tree.settle();
         tree.assert_sound();
         assert_eq!(pairs(&tree, &boxes), (count, hash), "dynamic tree, {name}");
     }

@@ -8,7 +8,7 @@ use std::{
 use collision::{
     DVec3,
     answer::Work,
-    broad::{DynamicTree, NodeIndex, Path, Refit, StaticTree, Tree},
+    broad::{ALL_LAYERS, DynamicTree, Path, Refit, StaticTree, Tree},
     math::Aabb,
 };
 
@@ -16,7 +16,7 @@ use crate::random::Random;
 
 fn found_by_box(tree: &impl Tree, query: Aabb) -> BTreeSet<u32> {
     let mut found = BTreeSet::new();
-    let Ok(()) = tree.visit_box(query, &mut Work::default(), |_, leaf| {
+    let Ok(()) = tree.visit_box(query, ALL_LAYERS, &mut Work::default(), |_, leaf| {
         assert!(found.insert(leaf), "leaf {leaf} was offered twice");
         Ok(ControlFlow::Continue(()))
     });
@@ -25,7 +25,7 @@ fn found_by_box(tree: &impl Tree, query: Aabb) -> BTreeSet<u32> {
 
 fn found_by_ray(tree: &impl Tree, path: &Path) -> BTreeSet<u32> {
     let mut found = BTreeSet::new();
-    let Ok(()) = tree.visit_ray(path, 1.0, &mut Work::default(), |_, leaf, _| {
+    let Ok(()) = tree.visit_ray(path, 1.0, ALL_LAYERS, &mut Work::default(), |_, leaf| {
         found.insert(leaf);
         Ok(1.0)
     });
@@ -38,27 +38,28 @@ fn random_box(random: &mut Random) -> Aabb {
     Aabb::new(center - half, center + half)
 }
 
-/// The model: which leaf has which box, and which node names it.
-type Model = BTreeMap<u32, (Aabb, NodeIndex)>;
+/// The model: which leaf has which box.
+type Model = BTreeMap<u32, Aabb>;
 
 fn random_edit(tree: &mut DynamicTree, model: &mut Model, random: &mut Random, next: &mut u32) -> Option<Refit> {
     let margin = if random.unit() < 0.5 { 0.0 } else { 0.3 };
     let pick = model.keys().nth((random.unit() * model.len() as f64) as usize).copied();
     match (pick, random.unit()) {
         (Some(leaf), 0.0..0.2) => {
-            tree.remove(model.remove(&leaf).expect("picked").1);
+            model.remove(&leaf).expect("picked");
+            tree.remove(leaf);
             None
         }
         (Some(leaf), 0.2..0.6) => {
-            let (bounds, node) = model[&leaf];
-            let step = random.vector() * 0.4;
-            let bounds = Aabb::new(bounds.min + step, bounds.max + step);
-            model.insert(leaf, (bounds, node));
-            Some(tree.update(node, bounds, margin))
+            let step = random.vector() * if random.unit() < 0.7 { 0.4 } else { 8.0 };
+            let bounds = model.get_mut(&leaf).expect("picked");
+            *bounds = Aabb::new(bounds.min + step, bounds.max + step);
+            Some(tree.update(leaf, *bounds, margin))
         }
         _ => {
             let bounds = random_box(random);
-            model.insert(*next, (bounds, tree.insert(*next, bounds, margin)));
+            model.insert(*next, bounds);
+            tree.insert(*next, bounds, margin, ALL_LAYERS);
             *next += 1;
             None
         }
@@ -71,13 +72,13 @@ fn assert_complete(tree: &DynamicTree, model: &Model, random: &mut Random) {
     let path = Path { origin: random.vector() * 12.0, direction: random.vector() * 20.0, reach: DVec3::ZERO };
     let on_path = found_by_ray(tree, &path);
     let mut nearest = f64::INFINITY;
-    let Ok(()) = tree.visit_nearest(query, f64::INFINITY, &mut Work::default(), |_, leaf, _| {
-        nearest = nearest.min(model[&leaf].0.distance_sq(query));
+    let Ok(()) = tree.visit_nearest(query, f64::INFINITY, ALL_LAYERS, &mut Work::default(), |_, leaf| {
+        nearest = nearest.min(model[&leaf].distance_sq(query));
         Ok(nearest.sqrt())
     });
     let mut brute_nearest = f64::INFINITY;
-    for (leaf, &(bounds, node)) in model {
-        assert!(tree.fat_bounds(node).contains(bounds), "leaf {leaf} left its fat box");
+    for (leaf, &bounds) in model {
+        assert!(tree.fat_bounds(*leaf).contains(bounds), "leaf {leaf} left its fat box");
         assert!(!bounds.intersects(query) || found.contains(leaf), "leaf {leaf} is missing");
         let is_on_path = (0..=32).any(|step| {
             let point = path.origin + path.direction * (f64::from(step) / 32.0);
@@ -100,6 +101,9 @@ fn random_edits_keep_it_sound_and_complete_and_its_clones_as_they_were() {
             if let Some(refit) = random_edit(&mut tree, &mut model, &mut random, &mut next) {
                 kinds[refit as usize] += 1;
             }
+            if random.unit() < 0.7 {
+                tree.settle();
+            }
             tree.assert_sound();
             assert_eq!(tree.len(), model.len());
             if edit % 10 == 0 {
@@ -113,8 +117,8 @@ fn random_edits_keep_it_sound_and_complete_and_its_clones_as_they_were() {
                 kept = Some((tree.clone(), model.clone()));
             }
         }
-        for (_, node) in std::mem::take(&mut model).into_values() {
-            tree.remove(node);
+        for leaf in std::mem::take(&mut model).into_keys() {
+            tree.remove(leaf);
             tree.assert_sound();
         }
         assert!(tree.is_empty() && tree.bounds().is_none() && tree.depth() == 0);
@@ -136,12 +140,14 @@ fn no_order_of_boxes_makes_it_deep() {
     for (family, make) in families.into_iter().enumerate() {
         for reversed in [false, true] {
             let mut tree = DynamicTree::default();
-            let nodes: Vec<NodeIndex> =
-                (0..count).map(|i| tree.insert(i, make(if reversed { count - 1 - i } else { i }), 0.0)).collect();
+            for i in 0..count {
+                tree.insert(i, make(if reversed { count - 1 - i } else { i }), 0.0, ALL_LAYERS);
+                tree.settle();
+            }
             tree.assert_sound();
-            assert!(tree.depth() <= 37, "family {family} has {} levels", tree.depth());
-            for node in nodes.into_iter().step_by(2) {
-                tree.remove(node);
+            assert!(tree.depth() <= 28, "family {family} has {} levels", tree.depth());
+            for leaf in (0..count).step_by(2) {
+                tree.remove(leaf);
             }
             tree.assert_sound();
         }
@@ -158,23 +164,24 @@ fn it_is_about_as_good_as_a_fresh_tree_after_many_moves() {
             Aabb::new(center - 1.0, center + 1.0)
         })
         .collect();
-    let nodes: Vec<NodeIndex> = (0..).zip(&boxes).map(|(leaf, bounds)| tree.insert(leaf, *bounds, 0.0)).collect();
+    for (leaf, bounds) in (0..).zip(&boxes) {
+        tree.insert(leaf, *bounds, 0.0, ALL_LAYERS);
+    }
+    tree.settle();
     for _ in 0..40 {
-        for (bounds, node) in boxes.iter_mut().zip(&nodes) {
+        for (leaf, bounds) in (0..).zip(&mut boxes) {
             let step = random.vector();
             *bounds = Aabb::new(bounds.min + step, bounds.max + step);
-            tree.update(*node, *bounds, 0.2);
+            tree.update(leaf, *bounds, 0.2);
         }
+        tree.settle();
     }
     tree.assert_sound();
     let fresh = StaticTree::build(&boxes);
     let (mut moved_work, mut fresh_work) = (Work::default(), Work::default());
     for bounds in &boxes {
-        let Ok(()) = tree.visit_box(*bounds, &mut moved_work, |_, _| Ok(ControlFlow::Continue(())));
-        let Ok(()) = fresh.visit_box(*bounds, &mut fresh_work, |work, _| {
-            work.nodes_visited += 1;
-            Ok(ControlFlow::Continue(()))
-        });
+        let Ok(()) = tree.visit_box(*bounds, ALL_LAYERS, &mut moved_work, |_, _| Ok(ControlFlow::Continue(())));
+        let Ok(()) = fresh.visit_box(*bounds, ALL_LAYERS, &mut fresh_work, |_, _| Ok(ControlFlow::Continue(())));
     }
     let ratio = moved_work.nodes_visited as f64 / fresh_work.nodes_visited as f64;
     assert!(ratio < 2.0, "{ratio:.2} times the visits of a fresh tree, {} levels", tree.depth());

@@ -8,7 +8,7 @@ use std::{
 
 use collision::{
     answer::Work,
-    broad::{StaticTree, Tree},
+    broad::{ALL_LAYERS, StaticTree, Tree},
     math::Aabb,
 };
 use glam::DVec3;
@@ -137,7 +137,7 @@ pub(super) fn pairs_of_boxes(set: &BoxSet) -> Result<PairTally, String> {
     let mut tally = PairTally { count: 0, hash: 0 };
     for (first, query) in boxes.iter().enumerate() {
         let first = u32::try_from(first).map_err(|error| error.to_string())?;
-        let result = tree.visit_box(*query, &mut work, |_, second| {
+        let result = tree.visit_box(*query, ALL_LAYERS, &mut work, |_, second| {
             // A tree may name leaves that are merely near: the boxes decide.
             if first < second && query.intersects(boxes[second as usize]) {
                 tally.count += 1;

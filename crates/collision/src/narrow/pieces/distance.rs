@@ -8,7 +8,7 @@ use super::{Side, Surface, is_swapped};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Verdict, Work},
-    broad::Tree,
+    broad::{ALL_LAYERS, Tree},
     narrow::{
         Placed, Separation,
         convex::{self, PlacedConvex},
@@ -43,7 +43,7 @@ pub(in crate::narrow) fn distance(
 fn surfaces(a: &Surface<'_>, b: &Surface<'_>, nearest: &mut Nearest, accuracy: &Accuracy, work: &mut Work) {
     let near_b = a.box_of_surface(b);
     let limit = nearest.limit;
-    let Ok(()) = a.mesh.tree().visit_nearest(near_b, limit, work, |work, leaf, _| {
+    let Ok(()) = a.mesh.tree().visit_nearest(near_b, limit, ALL_LAYERS, work, |work, leaf| {
         let triangle = leaf as usize;
         let piece = a.piece(triangle);
         search(a.placed(&piece), a.face(triangle), b, nearest, accuracy, work);
@@ -61,7 +61,7 @@ fn search(
     work: &mut Work,
 ) {
     let limit = nearest.limit;
-    let Ok(()) = b.mesh.tree().visit_nearest(b.box_of(a), limit, work, |work, leaf, _| {
+    let Ok(()) = b.mesh.tree().visit_nearest(b.box_of(a), limit, ALL_LAYERS, work, |work, leaf| {
         let triangle = leaf as usize;
         let piece = b.piece(triangle);
         if let Some(mut found) = convex::distance(a, b.placed(&piece), nearest.limit, accuracy, work) {

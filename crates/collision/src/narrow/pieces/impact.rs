@@ -12,7 +12,7 @@ use super::{
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Verdict, Work},
-    broad::{Path, Tree},
+    broad::{ALL_LAYERS, Path, Tree},
     math::Aabb,
     narrow::{
         ImpactTouch, Motion, Placed,
@@ -98,13 +98,14 @@ fn along(
     let tree = surface.mesh.tree();
     if path.direction == DVec3::ZERO {
         let mover = Aabb::new(path.origin - path.reach, path.origin + path.reach);
-        let Ok(()) = tree.visit_box(mover, work, |work, leaf| {
+        let Ok(()) = tree.visit_box(mover, ALL_LAYERS, work, |work, leaf| {
             visit(work, leaf as usize);
             Ok::<_, Infallible>(ControlFlow::Continue(()))
         });
         return;
     }
-    let Ok(()) = tree.visit_ray(&path, limit, work, |work, leaf, _| Ok::<f64, Infallible>(visit(work, leaf as usize)));
+    let Ok(()) =
+        tree.visit_ray(&path, limit, ALL_LAYERS, work, |work, leaf| Ok::<f64, Infallible>(visit(work, leaf as usize)));
 }
 
 /// All that may be the first touch.

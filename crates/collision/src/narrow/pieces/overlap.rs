@@ -6,7 +6,7 @@ use super::{Side, Surface, is_swapped};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Method, Stop, Verdict, Work},
-    broad::Tree,
+    broad::{ALL_LAYERS, Tree},
     narrow::{
         Contacts, NeedsDecomposition, Placed,
         convex::{self, PlacedConvex},
@@ -27,7 +27,7 @@ pub(in crate::narrow) fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accura
             let is_turned = counts.1 < counts.0 || counts.0 == counts.1 && is_swapped(&a, &b);
             let (a, b) = if is_turned { (b, a) } else { (a, b) };
             let near_b = a.box_of_surface(&b);
-            let Ok(()) = a.mesh.tree().visit_box(near_b, work, |work, leaf| {
+            let Ok(()) = a.mesh.tree().visit_box(near_b, ALL_LAYERS, work, |work, leaf| {
                 let piece = a.piece(leaf as usize);
                 touching.search(a.placed(&piece), &b, accuracy, work);
                 Ok::<_, Infallible>(touching.flow())
@@ -61,7 +61,7 @@ impl Touching {
     }
 
     fn search(&mut self, a: PlacedConvex<'_>, b: &Surface<'_>, accuracy: &Accuracy, work: &mut Work) {
-        let Ok(()) = b.mesh.tree().visit_box(b.box_of(a), work, |work, leaf| {
+        let Ok(()) = b.mesh.tree().visit_box(b.box_of(a), ALL_LAYERS, work, |work, leaf| {
             let piece = b.piece(leaf as usize);
             self.take(convex::overlap(a, b.placed(&piece), accuracy, work));
             Ok::<_, Infallible>(self.flow())
@@ -135,7 +135,7 @@ fn near(
     mut visit: impl FnMut(PlacedConvex<'_>, Option<u32>, &mut Work),
 ) {
     let around = surface.box_of(other).inflated(max_gap);
-    let Ok(()) = surface.mesh.tree().visit_box(around, work, |work, leaf| {
+    let Ok(()) = surface.mesh.tree().visit_box(around, ALL_LAYERS, work, |work, leaf| {
         let piece = surface.piece(leaf as usize);
         visit(surface.placed(&piece), surface.face(leaf as usize), work);
         Ok::<_, Infallible>(ControlFlow::Continue(()))

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     answer::{Bound, Feature, Verdict, Work},
-    broad::{Path, Tree},
+    broad::{ALL_LAYERS, Path, Tree},
     math::Pose,
     narrow::Placed,
     shape::Mesh,
@@ -57,7 +57,7 @@ pub(super) fn touches(ray: &Ray, mesh: &Mesh, target: Placed<'_>, work: &mut Wor
     };
     let sight = Sight::new(&local, center.center);
     let mut found = Found::default();
-    let Ok(()) = mesh.tree().visit_ray(&path, end - begin, work, |work, leaf, _| {
+    let Ok(()) = mesh.tree().visit_ray(&path, end - begin, ALL_LAYERS, work, |work, leaf| {
         work.pairs_tested += 1;
         work.iterations += 1;
         found.offer(candidate(&sight, mesh, leaf as usize, ray.faces));

@@ -1,14 +1,14 @@
 //! Which pairs the boxes let through.
 //!
 //! # Method
-//! Each moving shape asks the tree of the moving ones, and of a pair that both find the one with the lower slot counts. For
+//! The tree of the moving shapes is joined with itself. For
 //! pairs with static shapes, the fewer of the two kinds ask the tree of the other. Two static shapes are never a pair, so
 //! a world of static shapes needs no tree.
 
 use std::ops::ControlFlow;
 
 use crate::{
-    broad::Tree,
+    broad::{ALL_LAYERS, Tree},
     world::{
         Filter, Meter, Mobility, QuestionError, Shape, ShapeId, Snapshot,
         filter::Sieve,
@@ -41,28 +41,28 @@ impl Snapshot {
     ) -> Result<(), QuestionError> {
         let state = &self.state;
         let sieve = Sieve::new(filter, None);
-        let (moving, fixed) = (state.moving.len(), state.static_count);
-        let moving_asks_fixed = moving <= fixed;
-        for (slot, entry) in state.shapes.iter() {
-            let is_moving = entry.leaf.is_some();
-            if moving == 0 || !sieve.passes(&entry.shape) {
-                continue;
+        if state.moving.is_empty() {
+            return Ok(());
+        }
+        let mut offer = |meter: &mut Meter<'m>, a: &Entry, b: &Entry| {
+            let (side_a, side_b) = (Side::of(a), Side::of(b));
+            if is_pair(a, b) && sieve.passes(&side_a) && sieve.passes(&side_b) {
+                visit(meter, side_a, side_b)?;
             }
+            Ok(())
+        };
+        let entry_of = |leaf: u32| state.shapes.entry(Slot(leaf));
+        state.moving.visit_pairs(meter, |meter, a, b| offer(meter, entry_of(a), entry_of(b)))?;
+        if state.static_count == 0 {
+            return Ok(());
+        }
+        let moving_asks = state.moving.len() <= state.static_count;
+        for (_, entry) in state.shapes.iter().filter(|(_, entry)| entry.is_static() != moving_asks) {
             meter.spend()?;
-            let mut offer = |meter: &mut Meter<'m>, other: &Entry| {
-                if is_pair(entry, other) && sieve.passes(&other.shape) {
-                    visit(meter, Side::of(entry), Side::of(other))?;
-                }
-                Ok(())
-            };
-            if is_moving || !moving_asks_fixed {
-                self.moving_near(entry, meter, |meter, other_slot, other| {
-                    // Of two moving shapes both ask, a static one is not asked back.
-                    if !is_moving || slot.0 < other_slot.0 { offer(meter, other) } else { Ok(()) }
-                })?;
-            }
-            if is_moving && moving_asks_fixed {
-                self.fixed_near(entry, meter, |meter, _, other| offer(meter, other))?;
+            if moving_asks {
+                self.fixed_near(entry, meter, |meter, other| offer(meter, entry, other))?;
+            } else {
+                self.moving_near(entry, meter, |meter, other| offer(meter, entry, other))?;
             }
         }
         Ok(())
@@ -76,31 +76,28 @@ impl Snapshot {
         meter: &mut Meter<'m>,
         mut visit: impl FnMut(&mut Meter<'m>, Side<'_>, Side<'_>) -> Result<(), QuestionError>,
     ) -> Result<(), QuestionError> {
-        let Some(entry) = self.state.get(id).filter(|entry| sieve.passes(&entry.shape)) else {
+        let Some(entry) = self.state.get(id).filter(|entry| sieve.passes(&Side::of(entry))) else {
             return Ok(());
         };
         meter.spend()?;
-        let mut offer = |meter: &mut Meter<'m>, _: Slot, other: &Entry| {
-            if other.shape.id != id && is_pair(entry, other) && sieve.passes(&other.shape) {
+        let mut offer = |meter: &mut Meter<'m>, other: &Entry| {
+            if other.shape.id != id && is_pair(entry, other) && sieve.passes(&Side::of(other)) {
                 visit(meter, Side::of(entry), Side::of(other))?;
             }
             Ok(())
         };
         self.moving_near(entry, meter, &mut offer)?;
-        match entry.leaf {
-            Some(_) => self.fixed_near(entry, meter, &mut offer),
-            None => Ok(()),
-        }
+        if entry.is_static() { Ok(()) } else { self.fixed_near(entry, meter, &mut offer) }
     }
 
     fn moving_near<'m>(
         &self,
         entry: &Entry,
         meter: &mut Meter<'m>,
-        mut visit: impl FnMut(&mut Meter<'m>, Slot, &Entry) -> Result<(), QuestionError>,
+        mut visit: impl FnMut(&mut Meter<'m>, &Entry) -> Result<(), QuestionError>,
     ) -> Result<(), QuestionError> {
-        self.state.moving.visit_box(entry.bounds, meter, |meter, leaf| {
-            visit(meter, Slot(leaf), self.state.shapes.entry(Slot(leaf))).map(ControlFlow::Continue)
+        self.state.moving.visit_box(entry.bounds, ALL_LAYERS, meter, |meter, leaf| {
+            visit(meter, self.state.shapes.entry(Slot(leaf))).map(ControlFlow::Continue)
         })
     }
 
@@ -108,15 +105,14 @@ impl Snapshot {
         &self,
         entry: &Entry,
         meter: &mut Meter<'m>,
-        mut visit: impl FnMut(&mut Meter<'m>, Slot, &Entry) -> Result<(), QuestionError>,
+        mut visit: impl FnMut(&mut Meter<'m>, &Entry) -> Result<(), QuestionError>,
     ) -> Result<(), QuestionError> {
         if self.state.static_count == 0 {
             return Ok(());
         }
         let fixed = self.state.fixed();
-        fixed.tree.visit_box(entry.bounds, meter, |meter, leaf| {
-            let slot = fixed.slot(leaf);
-            visit(meter, slot, self.state.shapes.entry(slot)).map(ControlFlow::Continue)
+        fixed.tree.visit_box(entry.bounds, ALL_LAYERS, meter, |meter, leaf| {
+            visit(meter, self.state.shapes.entry(fixed.slot(leaf))).map(ControlFlow::Continue)
         })
     }
 }

@@ -1,0 +1,179 @@
+//! The way of a point or of a box, and where it enters a box.
+//!
+//! # Method
+//! A path is tested against the box of a cell in f64, restarted where it enters it, and rounded to f32 there; below, four
+//! boxes are tested at a time. What rounding may shift, the origin and reach once and the direction over the whole length
+//! within the cell, widens the path: Ize's factor alone covers the rounding of the test itself only.
+//!
+//! # Source
+//! Slab test: Williams, Barrus, Morley, Shirley, "An Efficient and Robust Ray-Box Intersection Algorithm", 2005, with
+//! the widening of Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
+
+use glam::{BVec3, DVec3, Vec4};
+
+use super::node::{Lanes, Node};
+use crate::{math::Aabb, tolerance};
+
+/// The way of a point or of a box: `origin + t * direction` for `t >= 0`, and all points within `reach` of it in each
+/// component.
+#[derive(Clone, Copy, Debug)]
+pub struct Path {
+    /// Where it begins (for a box: its centre).
+    pub origin: DVec3,
+    /// Of any length but 0, components up to 1e150; `t` counts multiples of it.
+    pub direction: DVec3,
+    /// Half extents of the mover, plus how far from this path the true one may be; 0 for an exact ray. Each at least 0.
+    pub reach: DVec3,
+}
+
+impl Path {
+    /// A `t` before which the path does not enter `bounds`, at least 0; `None` if it surely enters it nowhere from 0 to
+    /// `limit`. Whenever this is `Some`, a search along this path offers a leaf of that box.
+    #[must_use]
+    pub fn entry(&self, bounds: &Aabb, limit: f64) -> Option<f64> {
+        Some(Slabs::new(self, bounds).stay(bounds, limit)?.0)
+    }
+}
+
+/// A path made ready for slab tests against one box, in f64.
+struct Slabs {
+    origin: DVec3,
+    /// ±∞ where the direction is ±0: then a box is entered in that axis at all times or never.
+    inverse: DVec3,
+    backwards: BVec3,
+    /// The path's reach, and what rounding the walls of a box can shift them by.
+    reach: DVec3,
+}
+
+impl Slabs {
+    /// Rounding, derived: a wall is computed as `fl(b ∓ reach)`, off by at most `u(|b| + reach)`, and `reach` itself
+    /// was rounded when this slack was added; all other operations have relative errors in `t` only, which
+    /// [`tolerance::SLAB_WIDENING`] covers. The path's own origin counts as well, because callers compute it from
+    /// positions of that size. The largest component counts for all three, so that a component of the direction whose
+    /// inverse overflows cannot lose a box whose wall is a denormal away.
+    fn new(path: &Path, bounds: &Aabb) -> Self {
+        let walls = bounds.min.abs().max(bounds.max.abs());
+        let magnitude = (walls + path.reach + path.origin.abs()).max_element();
+        Self {
+            origin: path.origin,
+            inverse: path.direction.recip(),
+            backwards: signs(path.direction),
+            reach: path.reach + magnitude * tolerance::SLAB_SLACK,
+        }
+    }
+
+    /// A `t` at or before the entry, and one at or after the exit; `None` if it is surely not entered up to `limit`.
+    fn stay(&self, bounds: &Aabb, limit: f64) -> Option<(f64, f64)> {
+        let (low, high) = (bounds.min - self.reach, bounds.max + self.reach);
+        let near = (DVec3::select(self.backwards, high, low) - self.origin) * self.inverse;
+        let far = (DVec3::select(self.backwards, low, high) - self.origin) * self.inverse;
+        // The origin in a wall and no motion across it is 0 · ∞ = NaN. As the first operand of these it drops out:
+        // the wall counts as entered, which is the safe branch.
+        let entry = larger(near.x, larger(near.y, larger(near.z, 0.0)));
+        let exit = smaller(far.x, smaller(far.y, smaller(far.z, limit))) * tolerance::SLAB_WIDENING;
+        (entry <= exit).then_some((entry * tolerance::SLAB_NARROWING, exit))
+    }
+}
+
+/// The sign bits of a vector; −0 counts as negative, so that its inverse −∞ is met by the right wall.
+fn signs(v: DVec3) -> BVec3 {
+    BVec3::new(v.x.is_sign_negative(), v.y.is_sign_negative(), v.z.is_sign_negative())
+}
+
+/// The larger one; `b` if `a` is NaN.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller one; `b` if `a` is NaN.
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// A path within one cell, in f32: `s` counts multiples of its direction from where the cell is entered.
+pub(super) struct LocalPath {
+    /// Of each axis, the plane (of [`Node::planes`]) where a box is entered, and the one where it is left.
+    entered: [usize; 3],
+    left: [usize; 3],
+    /// What is taken from the one and from the other: the origin, moved by the reach and by all that was rounded.
+    origin_entered: [Vec4; 3],
+    origin_left: [Vec4; 3],
+    inverse: [Vec4; 3],
+    /// The `t` where `s` is 0, and where the cell is left.
+    start: f64,
+    end: f64,
+    /// `t` for each `s`.
+    unit: f64,
+}
+
+impl LocalPath {
+    /// `None` if the box of the cell is surely not entered up to `limit`.
+    pub(super) fn new(path: &Path, bounds: &Aabb, cell: DVec3, limit: f64) -> Option<Self> {
+        let (start, end) = Slabs::new(path, bounds).stay(bounds, limit)?;
+        let unit = towards_one(path.direction.abs().max_element());
+        let direction = path.direction * unit;
+        let origin = path.origin - cell + path.direction * start;
+        // It stays in the box, whatever the limit; below, components of the direction are less than 2.
+        let length = (bounds.max - bounds.min + 2.0 * path.reach).max_element().min((end - start) / unit * 2.0);
+        let positions = path.origin.abs() + cell.abs() + path.direction.abs() * start;
+        let rounded = (origin.abs() + path.reach).max_element() + length;
+        let slack = rounded * tolerance::TREE_SLACK + positions.max_element() * tolerance::SLAB_SLACK;
+        let reach = path.reach + slack;
+        let (low, high) = (origin - reach, origin + reach);
+        let backwards = signs(direction);
+        let is_backwards: [bool; 3] = backwards.into();
+        let splat = |v: DVec3| v.as_vec3().to_array().map(Vec4::splat);
+        Some(Self {
+            entered: std::array::from_fn(|axis| axis + 3 * usize::from(is_backwards[axis])),
+            left: std::array::from_fn(|axis| axis + 3 * usize::from(!is_backwards[axis])),
+            origin_entered: splat(DVec3::select(backwards, low, high)),
+            origin_left: splat(DVec3::select(backwards, high, low)),
+            inverse: direction.as_vec3().to_array().map(inverse),
+            start,
+            end,
+            unit,
+        })
+    }
+
+    /// The `s` of a limit, rounded up.
+    pub(super) fn limit(&self, limit: f64) -> f32 {
+        ((limit.min(self.end) - self.start) / self.unit * tolerance::TREE_LIMIT_WIDENING) as f32
+    }
+
+    /// The lanes whose boxes are entered before `limit`, and an `s` at or before which each is.
+    pub(super) fn entering(&self, node: &Node, limit: f32) -> (Lanes, Vec4) {
+        let near = |axis: usize| (node.planes[self.entered[axis]] - self.origin_entered[axis]) * self.inverse[axis];
+        let far = |axis: usize| (node.planes[self.left[axis]] - self.origin_left[axis]) * self.inverse[axis];
+        let entry = near(0).max(near(1)).max(near(2).max(Vec4::ZERO));
+        let exit = far(0).min(far(1)).min(far(2).min(Vec4::splat(limit)));
+        (Lanes::of(entry.cmple(exit * tolerance::TREE_SLAB_WIDENING)), entry)
+    }
+}
+
+/// 1 over a component of a direction. A finite number for 0, so that there is no 0 · ∞: whoever stands in a wall and does
+/// not move across it has entered at once, whoever stands outside enters beyond any limit.
+fn inverse(component: f32) -> Vec4 {
+    Vec4::splat(component.recip().clamp(f32::MIN, f32::MAX))
+}
+
+/// A power of two, by which a positive number comes to lie in [1, 2), or as near to it as a normal factor brings it.
+fn towards_one(value: f64) -> f64 {
+    let exponent = ((value.to_bits() >> 52) & 0x7ff) as i64 - 1023;
+    f64::from_bits(((1023 - exponent.clamp(-1022, 1022)) as u64) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_of_two_brings_a_number_near_to_one() {
+        for value in [1.0, 1.999, 3.7e-5, 6.5e17, 1e150, 1e-300] {
+            assert!((1.0..2.0).contains(&(value * towards_one(value))), "{value}");
+        }
+        for value in [f64::MIN_POSITIVE / 8.0, f64::MAX] {
+            let scaled = value * towards_one(value);
+            assert!(scaled > 0.0 && scaled < 4.0, "{value}");
+        }
+    }
+}
