@@ -314,7 +314,7 @@ fn approach<T: Toll, N: Nodes>(
     let mut limit_sq = squared(limit);
     let query = LocalBox::around(query, cell.origin).splat();
     // Open nodes and leaves, the farthest first.
-    let mut open: SmallVec<[Open; 64]> = SmallVec::new();
+    let mut open: SmallVec<[Open; 128]> = SmallVec::new();
     open.push(Open { begins: 0.0, child: Child::node(cell.root) });
     while let Some(nearest) = open.pop() {
         if nearest.begins > limit_sq {
