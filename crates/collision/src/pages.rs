@@ -20,6 +20,8 @@ impl<T, const PAGE: usize> Default for Pages<T, PAGE> {
 }
 
 impl<T: Clone + Default, const PAGE: usize> Pages<T, PAGE> {
+    const PAGE_BYTES: usize = PAGE * size_of::<T>() + 2 * size_of::<usize>();
+
     /// How many items there are.
     pub(crate) fn len(&self) -> usize {
         self.len
@@ -57,10 +59,15 @@ impl<T: Clone + Default, const PAGE: usize> Pages<T, PAGE> {
         unshared.flat_map(move |page| page * PAGE..(page * PAGE + PAGE).min(len))
     }
 
+    /// Bytes of the pages that `other` does not share, what items own elsewhere not.
+    pub(crate) fn bytes_beside(&self, other: &Self) -> u64 {
+        let shared = self.pages.iter().zip(&other.pages).filter(|(own, other)| Arc::ptr_eq(own, other)).count();
+        ((self.pages.len() - shared) * Self::PAGE_BYTES) as u64
+    }
+
     /// Bytes it holds in memory, what it shares included, what items own elsewhere not.
     pub(crate) fn memory_bytes(&self) -> u64 {
-        let page = PAGE * size_of::<T>() + 2 * size_of::<usize>();
-        (self.pages.len() * page + self.pages.capacity() * size_of::<Arc<[T; PAGE]>>()) as u64
+        (self.pages.len() * Self::PAGE_BYTES + self.pages.capacity() * size_of::<Arc<[T; PAGE]>>()) as u64
     }
 }
 

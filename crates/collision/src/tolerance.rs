@@ -251,3 +251,14 @@ pub const TREE_NARROWING: f32 = 1.0 - 8.0 * f32::EPSILON;
 /// Widens a limit that is rounded to f32, and the square of one, so that it is not below the true one. Larger only visits
 /// more nodes. Pinned with [`TREE_NARROWING`].
 pub const TREE_LIMIT_WIDENING: f64 = 1.0 + 4.0 * f32::EPSILON as f64;
+
+/// What a box on the way between two poses is widened by beyond what the arc takes, as a part of the farthest coordinate
+/// that takes part: an interpolated rotation is right to 64 roundings in its vector, 32 in its matrix and as many in the
+/// box made of that, a position to three. Smaller loses shapes that are asked for between two ticks; larger only visits
+/// more nodes. Pinned by `the_box_of_a_track_holds_it_at_every_moment` in `world/history/track.rs`.
+pub const ON_THE_WAY: f64 = 1024.0 * ROUNDING;
+
+/// How far an arc is from the straight way between its ends, in radii, for the square of the distance of the two unit
+/// quaternions: an eighth of the square of `4·1.1107/2`, rounded up. Smaller loses shapes that turn; larger only visits
+/// more nodes. Pinned by `the_box_of_a_track_holds_it_at_every_moment` in `world/history/track.rs`.
+pub const ARC_HEIGHT: f64 = 0.617;

@@ -254,6 +254,14 @@ impl DynamicTree {
         size_of::<Self>() as u64 + pages + lists + self.forest.list_bytes()
     }
 
+    /// Bytes it holds in memory that `other` does not share, lists of enormous boxes not.
+    #[must_use]
+    pub fn bytes_beside(&self, other: &Self) -> u64 {
+        self.forest.nodes.bytes_beside(&other.forest.nodes)
+            + self.parents.bytes_beside(&other.parents)
+            + self.places.bytes_beside(&other.places)
+    }
+
     /// Shows all nodes and their levels, the root's being the first.
     fn walk(&self, mut see: impl FnMut(&Node, u32)) {
         let roots = self.forest.cells.iter().map(|cell| cell.root).filter(|&root| root != NO_NODE);

@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
+use super::Norm;
 use crate::tolerance::SQUARE_MIN;
 
 /// A rigid transform: rotate, then translate. The rotation is kept as it was sent, of any length but 0, and
@@ -91,6 +92,38 @@ impl Pose {
         }
         let half = DVec2::new(cosine.abs(), sine).to_angle();
         along / sine * (2.0 * half)
+    }
+
+    /// The pose on the way to `end`, `fraction` of the way from 0 to 1: the position in a straight line, the rotation by
+    /// constant angular velocity along the shorter arc. At 0 it is this one as it is.
+    ///
+    /// ```
+    /// use collision::{DQuat, DVec3, math::Pose};
+    /// let quarter = DQuat::from_xyzw(0.0, 1.0, 0.0, 1.0);
+    /// let half_way = Pose::IDENTITY.between(&Pose::new(DVec3::X * 4.0, quarter), 0.5);
+    /// assert_eq!(half_way.position, DVec3::X * 2.0);
+    /// let turned = half_way.transform_point(DVec3::X) - half_way.position;
+    /// assert!((turned - DVec3::new(0.5_f64.sqrt(), 0.0, -(0.5_f64.sqrt()))).length() < 1e-15);
+    /// ```
+    #[must_use]
+    pub fn between(&self, end: &Self, fraction: f64) -> Self {
+        if fraction <= 0.0 {
+            return *self;
+        }
+        let turn = self.rotation_vector_to(end);
+        let rotation = match turn.try_unit() {
+            Some(axis) => DQuat::from_axis_angle(axis, turn.norm() * fraction) * self.unit_rotation(),
+            None => self.rotation,
+        };
+        Self { position: self.position + (end.position - self.position) * fraction, rotation }
+    }
+
+    /// The square of the distance of both unit quaternions, of the two of equal rotation the nearer ones: 0 for equal
+    /// rotations, 2 for half a turn.
+    #[must_use]
+    pub(crate) fn chord_sq(&self, end: &Self) -> f64 {
+        let (from, to) = (self.unit_rotation(), end.unit_rotation());
+        (from - to).length_squared().min((from + to).length_squared())
     }
 
     /// Takes a local point into the world.

@@ -12,7 +12,7 @@ use crate::math::Pose;
 impl Snapshot {
     /// The shapes that are in one of two versions only, or that some question about overlaps could tell apart, by id.
     pub(super) fn changed_since(&self, old: &Self) -> Vec<ShapeId> {
-        let (old, new) = (&old.state, &self.state);
+        let (old, new) = (old.state(), self.state());
         let mut ids = Vec::new();
         for slot in new.shapes.unshared_slots(&old.shapes) {
             let [before, after] = [old, new].map(|state| state.shapes.get(slot).map(|entry| &entry.shape));

@@ -14,6 +14,8 @@ use crate::{
 pub struct Description {
     /// The version.
     pub tick: Tick,
+    /// The oldest tick that can be asked.
+    pub oldest_tick: Tick,
     /// When it was made.
     pub time: Time,
     /// Shapes.
@@ -35,12 +37,17 @@ pub struct Description {
 /// Something that was built because a question or an edit first needed it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltStructure {
-    /// `dynamic_tree`, `static_tree`, `mesh_tree`.
+    /// `dynamic_tree`, `static_tree`, `mesh_tree`, `history` (its ticks), `past_trees` (what questions to the past had built).
     pub name: &'static str,
     /// How many of them.
     pub count: u64,
     /// What they hold in memory, bytes.
     pub memory_bytes: u64,
+    /// What it took to build them in all versions so far, nanoseconds; `None` for what grows edit by edit, and in a world
+    /// without a clock.
+    pub build_ns: Option<u64>,
+    /// The tick at which the first was needed; `None` where that is not kept.
+    pub first_tick: Option<Tick>,
 }
 
 impl Snapshot {
@@ -48,7 +55,7 @@ impl Snapshot {
     /// ones, which the dynamic tree is compared with: about 0.5 µs a shape.
     #[must_use]
     pub fn describe(&self) -> Description {
-        let state = &self.state;
+        let state = self.state();
         let mut bounds: Option<Aabb> = None;
         let mut moving_boxes = Vec::with_capacity(state.moving.len());
         let mut geometries: Vec<&Arc<Geometry>> = Vec::with_capacity(self.len());
@@ -61,12 +68,13 @@ impl Snapshot {
         }
         geometries.sort_unstable_by_key(|geometry| Arc::as_ptr(geometry));
         geometries.dedup_by_key(|geometry| Arc::as_ptr(geometry));
-        let trees = self.trees();
+        let trees = self.structures();
         let geometry_bytes: u64 = geometries.iter().map(|geometry| geometry.memory_bytes()).sum();
         let tree_bytes: u64 = trees.iter().map(|structure| structure.memory_bytes).sum();
         let built = trees.into_iter().chain(mesh_trees(&geometries)).collect();
         Description {
             tick: self.tick,
+            oldest_tick: self.oldest_tick(),
             time: self.time,
             shape_count: self.len() as u64,
             static_count: state.static_count as u64,
@@ -78,17 +86,41 @@ impl Snapshot {
         }
     }
 
-    fn trees(&self) -> Vec<BuiltStructure> {
+    /// All but what geometries hold.
+    fn structures(&self) -> Vec<BuiltStructure> {
+        let state = self.state();
         let mut built = Vec::new();
-        if !self.state.moving.is_empty() {
+        if !state.moving.is_empty() {
             built.push(BuiltStructure {
                 name: "dynamic_tree",
                 count: 1,
-                memory_bytes: self.state.moving.memory_bytes(),
+                memory_bytes: state.moving.memory_bytes(),
+                build_ns: None,
+                first_tick: self.moving_since,
             });
         }
-        if let Some(fixed) = self.state.fixed_if_built() {
-            built.push(BuiltStructure { name: "static_tree", count: 1, memory_bytes: fixed.memory_bytes() });
+        if let Some(fixed) = state.fixed_if_built() {
+            built.push(BuiltStructure {
+                name: "static_tree",
+                count: 1,
+                memory_bytes: fixed.memory_bytes(),
+                build_ns: state.fixed_ledger.nanoseconds(),
+                first_tick: state.fixed_ledger.first_tick(),
+            });
+        }
+        if self.history.len() > 0 {
+            built.push(BuiltStructure {
+                name: "history",
+                count: self.history.len(),
+                memory_bytes: self.history.memory_bytes(),
+                build_ns: None,
+                first_tick: self.history_since,
+            });
+        }
+        let (count, memory_bytes) = self.kept.holds(state);
+        if count > 0 {
+            let (build_ns, first_tick) = (self.kept.ledger.nanoseconds(), self.kept.ledger.first_tick());
+            built.push(BuiltStructure { name: "past_trees", count, memory_bytes, build_ns, first_tick });
         }
         built
     }
@@ -101,7 +133,7 @@ fn mesh_trees(geometries: &[&Arc<Geometry>]) -> Option<BuiltStructure> {
         Form::Convex(_) | Form::HalfSpace(_) => None,
     });
     let (count, memory_bytes) = built.fold((0, 0), |(count, bytes), tree| (count + 1, bytes + tree.memory_bytes()));
-    (count > 0).then_some(BuiltStructure { name: "mesh_tree", count, memory_bytes })
+    (count > 0).then_some(BuiltStructure { name: "mesh_tree", count, memory_bytes, build_ns: None, first_tick: None })
 }
 
 /// 1 where the fresh tree costs nothing: of points, or of nothing.

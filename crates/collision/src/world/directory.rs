@@ -103,6 +103,11 @@ impl Directory {
         (items * size_of::<(ShapeId, Slot)>() + self.chunks.capacity() * (size_of::<Chunk>() + 40)) as u64
     }
 
+    /// Bytes it holds in memory that `other` does not share.
+    pub(super) fn bytes_beside(&self, other: &Self) -> u64 {
+        if Arc::ptr_eq(&self.chunks, &other.chunks) { 0 } else { self.memory_bytes() }
+    }
+
     /// The chunk that holds `id` if any does: the last one that begins at or before it. `None` if `id` precedes all.
     fn chunk_of(&self, id: ShapeId) -> Option<usize> {
         self.chunks.partition_point(|chunk| chunk.first <= id).checked_sub(1)

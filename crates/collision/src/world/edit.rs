@@ -4,7 +4,13 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Shape, ShapeId, Snapshot, Tick, Time, state::State};
+use super::{
+    Means, Settings, Shape, ShapeId, Snapshot, Tick, Time,
+    history::{Bounds, Changes, Kept},
+    ledger::Ledger,
+    snapshot::Content,
+    state::State,
+};
 
 /// One change.
 #[derive(Clone, Debug)]
@@ -94,10 +100,89 @@ pub struct World {
 }
 
 impl World {
-    /// An empty world at tick 1.
+    /// An empty world at tick 1 that keeps no history.
     #[must_use]
     pub fn new(time: Time) -> Self {
-        Self { newest: Arc::new(Snapshot { tick: Tick::MIN, time, state: State::default() }) }
+        Self::with(time, Settings::default(), Means::default())
+    }
+
+    /// An empty world at tick 1.
+    #[must_use]
+    pub fn with(time: Time, settings: Settings, means: Means) -> Self {
+        Self::of(State::default(), Tick::MIN, time, settings, means)
+    }
+
+    /// A world that begins as a copy of a snapshot, at the same tick, and shares its memory until one of them changes. It
+    /// has the settings of that world, and none of its history: what was before the copy is asked of the original.
+    ///
+    /// Costs one reference for each page of 64 shapes; of a past moment, what changed since.
+    ///
+    /// ```
+    /// use collision::world::{Time, World};
+    /// let mut world = World::new(Time(0));
+    /// world.apply(Vec::new(), Time(7), collision::world::EditRule::AllOrNothing)?;
+    /// let mut fork = World::fork(&world.newest());
+    /// fork.apply(Vec::new(), Time(9), collision::world::EditRule::AllOrNothing)?;
+    /// assert_eq!((world.newest().tick().get(), fork.newest().tick().get()), (2, 3));
+    /// # Ok::<(), collision::world::EditError>(())
+    /// ```
+    #[must_use]
+    pub fn fork(snapshot: &Snapshot) -> Self {
+        let Snapshot { tick, time, settings, means, .. } = *snapshot;
+        Self::of(snapshot.state().clone(), tick, time, settings, means)
+    }
+
+    fn of(mut state: State, tick: Tick, time: Time, settings: Settings, means: Means) -> Self {
+        state.margin = settings.margin;
+        state.fixed_ledger = Arc::new(Ledger::new(means.clock));
+        let content = Content::Now(state);
+        Self {
+            newest: Arc::new(Snapshot {
+                tick,
+                fraction: 0.0,
+                time,
+                moving_since: content.moving_since(None, tick),
+                content,
+                history: Arc::default(),
+                history_since: None,
+                kept: Arc::new(Kept::new(means.past_bytes, Ledger::new(means.clock))),
+                settings,
+                means,
+            }),
+        }
+    }
+
+    /// The settings in force.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        self.newest.settings
+    }
+
+    /// Changes the settings from the next tick on; history beyond the new bound goes at once. The newest version stays the
+    /// same version, but is another snapshot: readers who should see that the history is shorter need
+    /// [`World::newest`] anew.
+    ///
+    /// # Panics
+    /// If there is more history asked for than [`Settings::HISTORY_TICKS_MAX`], or a margin that is not a number of at
+    /// least 0: what a caller sends must be checked before.
+    pub fn set(&mut self, settings: Settings) {
+        assert!(settings.history_ticks <= Settings::HISTORY_TICKS_MAX, "so much history is not kept");
+        assert!(settings.margin.is_none_or(|margin| margin >= 0.0 && margin.is_finite()), "a margin is a length");
+        let newest = &self.newest;
+        let mut state = newest.state().clone();
+        state.margin = settings.margin;
+        let history = if settings.history_ticks == newest.settings.history_ticks {
+            Arc::clone(&newest.history)
+        } else {
+            Arc::new(newest.history.resized(newest.tick, bounds(settings, newest.means)))
+        };
+        self.newest = Arc::new(Snapshot {
+            content: Content::Now(state),
+            history,
+            kept: Arc::clone(&newest.kept),
+            settings,
+            ..**newest
+        });
     }
 
     /// The newest version.
@@ -120,11 +205,13 @@ impl World {
             return Err(EditError::TimeGoesBack { newest, found: time });
         }
         // A draft that shares all pages with the newest version: if it is dropped, nothing has happened.
-        let mut state = self.newest.state.clone();
+        let mut state = self.newest.state().clone();
+        let is_kept = self.newest.settings.history_ticks > 0;
+        let mut changes = if is_kept { Changes::kept() } else { Changes::unkept() };
         let mut changed_count = 0;
         let mut faults = Vec::new();
         for (index, edit) in edits.into_iter().enumerate() {
-            match state.apply(edit) {
+            match state.apply(edit, &mut changes) {
                 Ok(count) => changed_count += count,
                 Err(id) => {
                     let fault = EditFault { index, id };
@@ -137,7 +224,33 @@ impl World {
         }
         state.moving.settle();
         let tick = self.newest.tick.saturating_add(1);
-        self.newest = Arc::new(Snapshot { tick, time, state });
+        self.publish(tick, time, state, changes);
         Ok(EditReport { tick, changed_count, faults })
     }
+
+    fn publish(&mut self, tick: Tick, time: Time, state: State, changes: Changes) {
+        let before = &self.newest;
+        let history = match changes.into_record(before.time) {
+            Some(record) => {
+                let bounds = bounds(before.settings, before.means);
+                Arc::new(before.history.with(tick, record, &state, bounds))
+            }
+            None => Arc::clone(&before.history),
+        };
+        let content = Content::Now(state);
+        self.newest = Arc::new(Snapshot {
+            tick,
+            time,
+            moving_since: content.moving_since(before.moving_since, tick),
+            history_since: before.history_since.or((history.len() > 0).then_some(tick)),
+            content,
+            history,
+            kept: Arc::clone(&before.kept),
+            ..**before
+        });
+    }
+}
+
+fn bounds(settings: Settings, means: Means) -> Bounds {
+    Bounds { ticks: settings.history_ticks, bytes: means.history_bytes }
 }

@@ -7,10 +7,13 @@ use smallvec::{SmallVec, smallvec};
 use super::{
     Filter, Meter, QuestionError, Shape, ShapeId, Snapshot, Subject,
     filter::Sieve,
+    history::Past,
+    snapshot::Content,
+    state::{Fixed, State},
     store::{Entry, Slot},
 };
 use crate::{
-    broad::{Path, Tree},
+    broad::{DynamicTree, Path, Tree},
     math::{Aabb, Pose},
     narrow::Placed,
     shape::{Form, Geometry},
@@ -100,42 +103,54 @@ impl Snapshot {
         match subject {
             Subject::Geometry { geometry, pose } => Ok(Side::at(geometry, *pose, None)),
             Subject::Shape { id, pose } => {
-                let entry = self.state.get(*id).ok_or(*id)?;
+                let side = self.find(*id).ok_or(*id)?;
                 Ok(match pose {
-                    Some(pose) => Side::at(&entry.shape.geometry, *pose, Some(&entry.shape)),
-                    None => Side::of(entry),
+                    Some(pose) => Side::at(side.placed.geometry, *pose, side.shape),
+                    None => side,
                 })
             }
         }
     }
 
-    /// What is in a slot.
-    fn side_in(&self, slot: Slot) -> Side<'_> {
-        Side::of(self.state.shapes.entry(slot))
+    /// The trees that a question searches.
+    fn trees(&self) -> Trees<'_> {
+        let (state, past) = match &self.content {
+            Content::Now(state) => (state, None),
+            Content::Then(past) => (past.base(), Some(past)),
+        };
+        Trees {
+            state,
+            past,
+            fixed: (state.static_count > 0).then(|| state.fixed(self.tick)),
+            moving: past.is_none_or(Past::searches_moving).then_some(&state.moving),
+        }
     }
 
     /// What an asker sees of what touches `query`, by id.
-    fn seen_in(
-        &self,
+    fn seen_in<'a>(
+        &'a self,
         query: Aabb,
         asker: Option<&Shape>,
         filter: &Filter,
         meter: &mut Meter<'_>,
-    ) -> Result<Sides<'_>, QuestionError> {
+    ) -> Result<Sides<'a>, QuestionError> {
         let sieve = Sieve::new(filter, asker);
+        let layers = sieve.layers_seen();
         let mut seen = Sides::new();
-        let mut see = |slot: Slot| {
-            let side = self.side_in(slot);
-            if side.bounds.intersects(query) && sieve.passes(&side) {
-                seen.push(side);
-            }
+        let mut see = |side: Option<Side<'a>>| {
+            seen.extend(side.filter(|side| side.bounds.intersects(query) && sieve.passes(side)));
             Ok(ControlFlow::Continue(()))
         };
-        if self.state.static_count > 0 {
-            let fixed = self.state.fixed();
-            fixed.tree.visit_box(query, sieve.layers_seen(), meter, |_, leaf| see(fixed.slot(leaf)))?;
+        let trees = self.trees();
+        if let Some(fixed) = trees.fixed {
+            fixed.tree.visit_box(query, layers, meter, |_, leaf| see(trees.side_in(fixed.slot(leaf))))?;
         }
-        self.state.moving.visit_box(query, sieve.layers_seen(), meter, |_, leaf| see(Slot(leaf)))?;
+        if let Some(moving) = trees.moving {
+            moving.visit_box(query, layers, meter, |_, leaf| see(trees.side_in(Slot(leaf))))?;
+        }
+        if let Some(past) = trees.past {
+            past.tree().visit_box(query, layers, meter, |_, leaf| see(past.side_of(leaf)))?;
+        }
         seen.sort_unstable_by_key(Side::id);
         Ok(seen)
     }
@@ -144,19 +159,29 @@ impl Snapshot {
     pub(super) fn along<'m>(
         &self,
         path: &Path,
-        mut limit: f64,
+        limit: f64,
         layers: u32,
         meter: &mut Meter<'m>,
-        mut visit: impl FnMut(&mut Meter<'m>, Side<'_>) -> Result<f64, QuestionError>,
+        visit: impl FnMut(&mut Meter<'m>, Side<'_>) -> Result<f64, QuestionError>,
     ) -> Result<(), QuestionError> {
-        if self.state.static_count > 0 {
-            let fixed = self.state.fixed();
+        let trees = self.trees();
+        let mut visitor = Visitor { limit, visit };
+        if let Some(fixed) = trees.fixed {
             fixed.tree.visit_ray(path, limit, layers, meter, |meter, leaf| {
-                limit = limit.min(visit(meter, self.side_in(fixed.slot(leaf)))?);
-                Ok(limit)
+                visitor.visit(meter, trees.side_in(fixed.slot(leaf)))
             })?;
         }
-        self.state.moving.visit_ray(path, limit, layers, meter, |meter, leaf| visit(meter, self.side_in(Slot(leaf))))
+        if let Some(moving) = trees.moving {
+            let limit = visitor.limit;
+            moving
+                .visit_ray(path, limit, layers, meter, |meter, leaf| visitor.visit(meter, trees.side_in(Slot(leaf))))?;
+        }
+        if let Some(past) = trees.past {
+            let limit = visitor.limit;
+            past.tree()
+                .visit_ray(path, limit, layers, meter, |meter, leaf| visitor.visit(meter, past.side_of(leaf)))?;
+        }
+        Ok(())
     }
 
     /// Visits the shapes whose boxes may be within `limit` metres of `query`, in each tree the nearest first. The visitor
@@ -164,20 +189,69 @@ impl Snapshot {
     pub(super) fn near<'m>(
         &self,
         query: Aabb,
-        mut limit: f64,
+        limit: f64,
         layers: u32,
         meter: &mut Meter<'m>,
-        mut visit: impl FnMut(&mut Meter<'m>, Side<'_>) -> Result<f64, QuestionError>,
+        visit: impl FnMut(&mut Meter<'m>, Side<'_>) -> Result<f64, QuestionError>,
     ) -> Result<(), QuestionError> {
-        if self.state.static_count > 0 {
-            let fixed = self.state.fixed();
+        let trees = self.trees();
+        let mut visitor = Visitor { limit, visit };
+        if let Some(fixed) = trees.fixed {
             fixed.tree.visit_nearest(query, limit, layers, meter, |meter, leaf| {
-                limit = limit.min(visit(meter, self.side_in(fixed.slot(leaf)))?);
-                Ok(limit)
+                visitor.visit(meter, trees.side_in(fixed.slot(leaf)))
             })?;
         }
-        self.state
-            .moving
-            .visit_nearest(query, limit, layers, meter, |meter, leaf| visit(meter, self.side_in(Slot(leaf))))
+        if let Some(moving) = trees.moving {
+            let limit = visitor.limit;
+            moving.visit_nearest(query, limit, layers, meter, |meter, leaf| {
+                visitor.visit(meter, trees.side_in(Slot(leaf)))
+            })?;
+        }
+        if let Some(past) = trees.past {
+            let limit = visitor.limit;
+            past.tree()
+                .visit_nearest(query, limit, layers, meter, |meter, leaf| visitor.visit(meter, past.side_of(leaf)))?;
+        }
+        Ok(())
+    }
+}
+
+/// The trees that a question searches.
+struct Trees<'a> {
+    state: &'a State,
+    /// What was otherwise, if a past moment is asked: that has a tree of its own.
+    past: Option<&'a Past>,
+    /// Over the static shapes, if there are any.
+    fixed: Option<&'a Fixed>,
+    /// Over the moving shapes, unless the tree of the past holds them all.
+    moving: Option<&'a DynamicTree>,
+}
+
+impl<'a> Trees<'a> {
+    /// What is in a slot, unless it was something else at the moment that is asked.
+    fn side_in(&self, slot: Slot) -> Option<Side<'a>> {
+        match self.past {
+            None => Some(Side::of(self.state.shapes.entry(slot))),
+            Some(past) => past.side_in(slot),
+        }
+    }
+}
+
+/// A visitor of several trees, one after the other, under one limit.
+struct Visitor<V> {
+    limit: f64,
+    visit: V,
+}
+
+impl<V> Visitor<V> {
+    /// Shows what is there, and gives the new limit.
+    fn visit<'m>(&mut self, meter: &mut Meter<'m>, side: Option<Side<'_>>) -> Result<f64, QuestionError>
+    where
+        V: FnMut(&mut Meter<'m>, Side<'_>) -> Result<f64, QuestionError>,
+    {
+        if let Some(side) = side {
+            self.limit = self.limit.min((self.visit)(meter, side)?);
+        }
+        Ok(self.limit)
     }
 }

@@ -1,10 +1,15 @@
 //! One version of a world: its shapes and the trees over them.
 
-use std::{num::NonZeroU64, sync::Arc};
+use std::{borrow::Cow, num::NonZeroU64, sync::Arc};
 
 use glam::DVec3;
 
-use super::state::State;
+use super::{
+    Means, Settings,
+    history::{History, Kept, Past},
+    search::Side,
+    state::State,
+};
 use crate::{
     math::{Aabb, Pose},
     shape::Geometry,
@@ -83,8 +88,39 @@ impl Shape {
 #[derive(Debug)]
 pub struct Snapshot {
     pub(super) tick: Tick,
+    /// How far on towards the next tick, for a past moment.
+    pub(super) fraction: f64,
     pub(super) time: Time,
-    pub(super) state: State,
+    pub(super) content: Content,
+    /// What led here, if that is kept.
+    pub(super) history: Arc<History>,
+    /// What questions to the past had built; shared by all versions of the world.
+    pub(super) kept: Arc<Kept>,
+    /// The tick at which the dynamic tree got its first shape.
+    pub(super) moving_since: Option<Tick>,
+    /// The tick at which history was kept first.
+    pub(super) history_since: Option<Tick>,
+    pub(super) settings: Settings,
+    pub(super) means: Means,
+}
+
+/// What a snapshot is made of.
+#[derive(Debug)]
+pub(super) enum Content {
+    /// A version as it was published.
+    Now(State),
+    /// A past moment, told by what was otherwise than in a later version.
+    Then(Past),
+}
+
+impl Content {
+    /// The tick at which the dynamic tree got its first shape, given the one before.
+    pub(super) fn moving_since(&self, before: Option<Tick>, tick: Tick) -> Option<Tick> {
+        match self {
+            Self::Now(state) if !state.moving.is_empty() => before.or(Some(tick)),
+            Self::Now(_) | Self::Then(_) => before,
+        }
+    }
 }
 
 impl Snapshot {
@@ -94,7 +130,13 @@ impl Snapshot {
         self.tick
     }
 
-    /// When it was made.
+    /// How far on towards the next tick, from 0 to below 1; 0 unless it was asked for by [`Snapshot::at`].
+    #[must_use]
+    pub fn fraction(&self) -> f64 {
+        self.fraction
+    }
+
+    /// When it was made; between two ticks, when it would have been.
     #[must_use]
     pub fn time(&self) -> Time {
         self.time
@@ -103,7 +145,7 @@ impl Snapshot {
     /// How many shapes it holds.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.state.shapes.len()
+        self.state().shapes.len()
     }
 
     /// Whether it holds none.
@@ -112,29 +154,49 @@ impl Snapshot {
         self.len() == 0
     }
 
-    /// A shape.
+    /// A shape; that of a past moment is made up when it is asked for.
     #[must_use]
-    pub fn shape(&self, id: ShapeId) -> Option<&Shape> {
-        self.state.get(id).map(|entry| &entry.shape)
+    pub fn shape(&self, id: ShapeId) -> Option<Cow<'_, Shape>> {
+        match &self.content {
+            Content::Now(state) => state.get(id).map(|entry| Cow::Borrowed(&entry.shape)),
+            Content::Then(past) => past.shape(id),
+        }
     }
 
     /// The canonical box of a shape, rounded outwards, metres.
     #[must_use]
     pub fn bounds_of(&self, id: ShapeId) -> Option<Aabb> {
-        self.state.get(id).map(|entry| entry.bounds)
+        self.find(id).map(|side| side.bounds)
     }
 
     /// Shapes after `after`, by id; all from the first with `None`. At most `most` of them, and only those whose
     /// canonical boxes touch `bounds`, if that is given.
     #[must_use]
     pub fn shapes_after(&self, after: Option<ShapeId>, most: usize, bounds: Option<Aabb>) -> Vec<&Shape> {
-        self.state
+        let state = self.state();
+        state
             .ids
             .after(after)
-            .map(|(_, slot)| self.state.shapes.entry(slot))
+            .map(|(_, slot)| state.shapes.entry(slot))
             .filter(|entry| bounds.is_none_or(|bounds| bounds.intersects(entry.bounds)))
             .take(most)
             .map(|entry| &entry.shape)
             .collect()
+    }
+
+    /// Everything that it holds. For a past moment the first call builds it, which costs what changed since.
+    pub(super) fn state(&self) -> &State {
+        match &self.content {
+            Content::Now(state) => state,
+            Content::Then(past) => past.whole(),
+        }
+    }
+
+    /// A shape where it is.
+    pub(super) fn find(&self, id: ShapeId) -> Option<Side<'_>> {
+        match &self.content {
+            Content::Now(state) => state.get(id).map(Side::of),
+            Content::Then(past) => past.find(id),
+        }
     }
 }

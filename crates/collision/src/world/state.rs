@@ -3,9 +3,11 @@
 use std::sync::{Arc, OnceLock};
 
 use super::{
-    Edit, Shape, ShapeId,
+    Edit, Shape, ShapeId, Tick,
     directory::Directory,
     edit::Motion,
+    history::Changes,
+    ledger::Ledger,
     store::{Entry, Slot, Store},
 };
 use crate::{
@@ -23,6 +25,10 @@ pub(super) struct State {
     pub(super) static_count: usize,
     /// Over the static shapes, built by the first question. Shared by all versions with the same static shapes.
     fixed: Arc<OnceLock<Fixed>>,
+    /// What building the tree over the static shapes costs.
+    pub(super) fixed_ledger: Arc<Ledger>,
+    /// How fat the boxes of moving shapes are, metres; `None` tunes it for each.
+    pub(super) margin: Option<f64>,
 }
 
 /// The tree over the static shapes.
@@ -72,24 +78,50 @@ impl State {
         self.fixed.get()
     }
 
-    /// The tree over the static shapes; the first call builds it.
-    pub(super) fn fixed(&self) -> &Fixed {
-        self.fixed.get_or_init(|| Fixed::build(&self.shapes))
+    /// The tree over the static shapes; the first call builds it, for a question at `tick`.
+    pub(super) fn fixed(&self, tick: Tick) -> &Fixed {
+        self.fixed.get_or_init(|| self.fixed_ledger.time(tick, || Fixed::build(&self.shapes)))
+    }
+
+    /// Whether what is in a slot is in the dynamic tree.
+    pub(super) fn is_moving(&self, slot: Slot) -> bool {
+        self.shapes.get(slot).is_some_and(|entry| !entry.is_static())
+    }
+
+    /// The slots of the shapes in the dynamic tree.
+    pub(super) fn moving_slots(&self) -> impl Iterator<Item = Slot> {
+        self.shapes.iter().filter(|(_, entry)| !entry.is_static()).map(|(slot, _)| slot)
+    }
+
+    /// Bytes of the shapes, their order and the dynamic tree; what is shared included, geometries not.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        self.shapes.memory_bytes() + self.ids.memory_bytes() + self.moving.memory_bytes()
+    }
+
+    /// The same less what `other` shares, and the static tree if it does not share that.
+    pub(super) fn bytes_beside(&self, other: &Self) -> u64 {
+        let own_fixed = if Arc::ptr_eq(&self.fixed, &other.fixed) { None } else { self.fixed.get() };
+        self.shapes.bytes_beside(&other.shapes)
+            + self.ids.bytes_beside(&other.ids)
+            + self.moving.bytes_beside(&other.moving)
+            + own_fixed.map_or(0, Fixed::memory_bytes)
     }
 
     /// Applies one edit and says how many shapes it changed; `Err` names the shape that it needs and that is not there.
-    pub(super) fn apply(&mut self, edit: Edit) -> Result<u64, ShapeId> {
+    pub(super) fn apply(&mut self, edit: Edit, changes: &mut Changes) -> Result<u64, ShapeId> {
         match edit {
             Edit::Insert(shape) => {
-                self.insert(shape);
+                self.insert(shape, changes);
                 Ok(1)
             }
             Edit::Move { id, position, rotation, velocity, angular_velocity, teleport } => {
                 let slot = self.ids.get(id).ok_or(id)?;
                 let motion = if teleport { Motion::Teleported } else { Motion::Travelled };
                 let shape = &mut self.shapes.entry_mut(slot).shape;
-                shape.velocity = velocity.unwrap_or(shape.velocity);
-                shape.angular_velocity = angular_velocity.unwrap_or(shape.angular_velocity);
+                let velocity = velocity.unwrap_or(shape.velocity);
+                let angular_velocity = angular_velocity.unwrap_or(shape.angular_velocity);
+                changes.moves(slot, shape, [velocity, angular_velocity], motion);
+                (shape.velocity, shape.angular_velocity) = (velocity, angular_velocity);
                 let pose = Pose {
                     position: position.unwrap_or(shape.pose.position),
                     rotation: rotation.unwrap_or(shape.pose.rotation),
@@ -97,38 +129,44 @@ impl State {
                 self.place(slot, pose, motion);
                 Ok(1)
             }
-            Edit::Remove(id) => Ok(u64::from(self.remove(id))),
+            Edit::Remove(id) => Ok(u64::from(self.remove(id, changes))),
             Edit::Clear => {
                 let count = self.shapes.len() as u64;
-                *self = Self::default();
+                self.shapes.iter().for_each(|(slot, entry)| changes.empties(slot, &entry.shape));
+                let fixed_ledger = Arc::clone(&self.fixed_ledger);
+                *self = Self { fixed_ledger, margin: self.margin, ..Self::default() };
                 Ok(count)
             }
         }
     }
 
-    fn insert(&mut self, shape: Shape) {
-        self.remove(shape.id);
+    /// Puts in a shape; one with the same id is replaced whole.
+    pub(super) fn insert(&mut self, shape: Shape, changes: &mut Changes) {
+        self.remove(shape.id, changes);
         let id = shape.id;
         let (bounds, layers) = (shape.geometry.bounds(&shape.pose), shape.layers);
         let entry = Entry { shape, bounds };
         let is_static = entry.is_static();
         let slot = self.shapes.insert(entry);
         self.ids.insert(id, slot);
+        changes.fills(slot);
         if is_static {
             self.static_count += 1;
             self.forget_fixed();
         } else {
             // How fast it moves is not known yet, and most shapes of a level never do.
-            self.moving.insert(slot.0, bounds, 0.0, layers);
+            self.moving.insert(slot.0, bounds, self.margin.unwrap_or(0.0), layers);
         }
     }
 
-    /// Whether it was there.
-    fn remove(&mut self, id: ShapeId) -> bool {
+    /// Takes out a shape and says whether it was there.
+    pub(super) fn remove(&mut self, id: ShapeId, changes: &mut Changes) -> bool {
         let Some(slot) = self.ids.remove(id) else {
             return false;
         };
-        if self.shapes.entry(slot).is_static() {
+        let entry = self.shapes.entry(slot);
+        changes.empties(slot, &entry.shape);
+        if entry.is_static() {
             self.static_count -= 1;
             self.forget_fixed();
         } else {
@@ -156,7 +194,7 @@ impl State {
             self.forget_fixed();
         } else {
             let extent = (bounds.max - bounds.min).max_element();
-            let margin = (MARGIN_PER_STEP * step).min(MARGIN_PER_EXTENT * extent);
+            let margin = self.margin.unwrap_or((MARGIN_PER_STEP * step).min(MARGIN_PER_EXTENT * extent));
             self.moving.update(slot.0, bounds, margin);
         }
     }

@@ -7,7 +7,7 @@ use crate::{
 };
 
 /// Where a shape is kept; used again when the shape is gone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Slot(pub(super) u32);
 
 /// A shape and what is derived from it.
@@ -77,6 +77,11 @@ impl Store {
         self.places.unshared(&other.places).map(|index| Slot(index as u32))
     }
 
+    /// How many slots there are, free ones included.
+    pub(super) fn slot_count(&self) -> usize {
+        self.places.len()
+    }
+
     /// As [`Store::entry`], to change it.
     pub(super) fn entry_mut(&mut self, slot: Slot) -> &mut Entry {
         match &mut self.places[slot.0 as usize] {
@@ -112,6 +117,11 @@ impl Store {
             Place::Taken(entry) => Some((Slot(slot), entry)),
             Place::Free(_) => None,
         })
+    }
+
+    /// Bytes it holds in memory that `other` does not share, geometries not.
+    pub(super) fn bytes_beside(&self, other: &Self) -> u64 {
+        self.places.bytes_beside(&other.places)
     }
 
     /// Bytes it holds in memory, what it shares with its clones included, geometries not.

@@ -138,7 +138,7 @@ fn what_did_not_change_is_not_asked_again() {
     let place = old.shape(id(7)).expect("it is there").pose.position;
     let unmoved = apply(&mut world, vec![moved(id(7), place)]);
     assert_eq!(ask(&unmoved), (PairChanges::default(), 0, 0));
-    let shape = unmoved.shape(id(7)).expect("it is there").clone();
+    let shape = unmoved.shape(id(7)).expect("it is there").into_owned();
     let replaced = apply(&mut world, vec![Edit::Remove(id(7)), Edit::Remove(id(8)), Edit::Insert(shape)]);
     let (changes, tested, visited) = ask(&replaced);
     assert!(changes.began.is_empty() && changes.persisted.is_empty() && !changes.ended.is_empty());

@@ -39,7 +39,7 @@ impl Snapshot {
         meter: &mut Meter<'m>,
         mut visit: impl FnMut(&mut Meter<'m>, Side<'_>, Side<'_>) -> Result<(), QuestionError>,
     ) -> Result<(), QuestionError> {
-        let state = &self.state;
+        let state = self.state();
         let sieve = Sieve::new(filter, None);
         if state.moving.is_empty() {
             return Ok(());
@@ -76,7 +76,7 @@ impl Snapshot {
         meter: &mut Meter<'m>,
         mut visit: impl FnMut(&mut Meter<'m>, Side<'_>, Side<'_>) -> Result<(), QuestionError>,
     ) -> Result<(), QuestionError> {
-        let Some(entry) = self.state.get(id).filter(|entry| sieve.passes(&Side::of(entry))) else {
+        let Some(entry) = self.state().get(id).filter(|entry| sieve.passes(&Side::of(entry))) else {
             return Ok(());
         };
         meter.spend()?;
@@ -96,8 +96,8 @@ impl Snapshot {
         meter: &mut Meter<'m>,
         mut visit: impl FnMut(&mut Meter<'m>, &Entry) -> Result<(), QuestionError>,
     ) -> Result<(), QuestionError> {
-        self.state.moving.visit_box(entry.bounds, ALL_LAYERS, meter, |meter, leaf| {
-            visit(meter, self.state.shapes.entry(Slot(leaf))).map(ControlFlow::Continue)
+        self.state().moving.visit_box(entry.bounds, ALL_LAYERS, meter, |meter, leaf| {
+            visit(meter, self.state().shapes.entry(Slot(leaf))).map(ControlFlow::Continue)
         })
     }
 
@@ -107,12 +107,12 @@ impl Snapshot {
         meter: &mut Meter<'m>,
         mut visit: impl FnMut(&mut Meter<'m>, &Entry) -> Result<(), QuestionError>,
     ) -> Result<(), QuestionError> {
-        if self.state.static_count == 0 {
+        if self.state().static_count == 0 {
             return Ok(());
         }
-        let fixed = self.state.fixed();
+        let fixed = self.state().fixed(self.tick);
         fixed.tree.visit_box(entry.bounds, ALL_LAYERS, meter, |meter, leaf| {
-            visit(meter, self.state.shapes.entry(fixed.slot(leaf))).map(ControlFlow::Continue)
+            visit(meter, self.state().shapes.entry(fixed.slot(leaf))).map(ControlFlow::Continue)
         })
     }
 }
