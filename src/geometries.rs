@@ -86,6 +86,18 @@ impl Geometries {
         Self { held: Mutex::default(), quota_bytes }
     }
 
+    /// The same geometries for a copy of the world, which may forget them and register others.
+    pub(crate) fn fork(&self) -> Self {
+        let held = self.held.lock();
+        let held = Held {
+            registered: held.registered.clone(),
+            in_place: held.in_place.clone(),
+            sweep_at: held.sweep_at,
+            counted_bytes: held.counted_bytes,
+        };
+        Self { held: Mutex::new(held), quota_bytes: self.quota_bytes }
+    }
+
     /// Registers a geometry; the one that is kept, if there is an equal one.
     ///
     /// # Errors

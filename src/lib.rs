@@ -8,6 +8,7 @@
 
 pub mod config;
 pub mod observe;
+mod past;
 pub mod serve;
 
 mod compute;

@@ -3,23 +3,30 @@
 use std::{
     collections::BTreeMap,
     ops::Bound::{Excluded, Unbounded},
-    sync::Arc,
+    sync::{Arc, LazyLock},
     time::{Duration, Instant},
 };
 
+use collision::world::{Means, Settings as WorldSettings, Snapshot};
 use parking_lot::{Mutex, RwLock};
 use tokio::sync::Semaphore;
 
 use crate::{
     config::Settings,
+    geometries::Geometries,
     problem::{Checked, Problem, Reason, quoted},
     retry::{RetryCache, RetryKey},
     session::{Access, Session},
     token::{Role, TokenHash, Tokens, random_hex},
+    writer::Writer,
 };
 
 /// The session that an empty name means.
 pub(crate) const DEFAULT: &str = "default";
+/// Settings of a world whose creator names none.
+pub(crate) const DEFAULT_SETTINGS: WorldSettings = WorldSettings { history_ticks: 64, margin: None };
+/// The history, and what questions to it had built, may each hold this part of what a session may hold, on top of that.
+const HISTORY_SHARE: u64 = 8;
 /// How often leases are looked at.
 const SWEEP_EVERY: Duration = Duration::from_millis(250);
 /// Of how many looks at the leases one tidies the sessions as well: every 10 s.
@@ -99,27 +106,59 @@ impl Registry {
         }
     }
 
-    /// Makes a session; the same one again if `retry` was seen before.
+    /// Makes a session with an empty world; the same one again if `retry` was seen before.
     ///
     /// # Errors
     /// The id is taken or not well formed, there are too many sessions.
-    pub(crate) fn create(&self, wish: &str, lease: Option<Duration>, retry: Option<RetryKey>) -> Checked<Created> {
+    pub(crate) fn create(
+        &self,
+        wish: &str,
+        lease: Option<Duration>,
+        retry: Option<RetryKey>,
+        settings: WorldSettings,
+    ) -> Checked<Created> {
+        self.make("session", wish, lease, retry, || self.empty(settings))
+    }
+
+    /// Makes a session whose world begins as a copy of a snapshot of another's; the same one again if `retry` was seen
+    /// before.
+    ///
+    /// # Errors
+    /// The id is taken or not well formed, there are too many sessions.
+    pub(crate) fn fork(
+        &self,
+        wish: &str,
+        lease: Option<Duration>,
+        retry: Option<RetryKey>,
+        (origin, snapshot): (&Session, &Snapshot),
+    ) -> Checked<Created> {
+        self.make("fork", wish, lease, retry, || Ok((Writer::fork(snapshot)?, origin.geometries.fork())))
+    }
+
+    fn make(
+        &self,
+        field: &'static str,
+        wish: &str,
+        lease: Option<Duration>,
+        retry: Option<RetryKey>,
+        world: impl FnOnce() -> Checked<(Writer, Geometries)>,
+    ) -> Checked<Created> {
         let now = Instant::now();
         // Held throughout, so that a retry which comes while the first is under way waits for its answer.
         let mut created = self.created.lock();
         if let Some(first) = created.find(retry.as_ref(), now)? {
             return Ok(first);
         }
-        let id = if wish.is_empty() { self.choose_id()? } else { checked_id(wish)? };
+        let id = if wish.is_empty() { self.choose_id()? } else { checked_id(field, wish)? };
         let mut tokens = Tokens::default();
         let token = tokens.create(Role::Owner)?;
         let lease = lease.unwrap_or(self.settings.default_lease);
         let access = Access::ByToken(Mutex::new(tokens));
-        let session = self.session(id.clone(), access, Some(lease))?;
+        let session = self.session(id.clone(), access, Some(lease), world()?);
         let mut sessions = self.sessions.write();
         if sessions.contains_key(&id) {
             let what = format!("is {id:?}, which is taken: choose another id, or leave it empty");
-            return Err(Problem::at("session", Reason::SessionExists, what));
+            return Err(Problem::at(field, Reason::SessionExists, what));
         }
         let limit = self.settings.max_sessions;
         if sessions.len() >= limit {
@@ -199,12 +238,25 @@ impl Registry {
 
     fn open_session(&self) -> Checked<Arc<Session>> {
         let access = Access::Open(Mutex::default());
-        self.session(DEFAULT.to_owned(), access, None)
+        Ok(self.session(DEFAULT.to_owned(), access, None, self.empty(DEFAULT_SETTINGS)?))
     }
 
-    fn session(&self, id: String, access: Access, lease: Option<Duration>) -> Checked<Arc<Session>> {
-        let session = Session::new(id, access, lease, &self.settings, self.waiting.clone())?;
-        Ok(Arc::new(session))
+    /// An empty world, and no geometries.
+    fn empty(&self, settings: WorldSettings) -> Checked<(Writer, Geometries)> {
+        let bytes = self.settings.session_memory_bytes;
+        let (history_bytes, past_bytes) = (bytes / HISTORY_SHARE, bytes / HISTORY_SHARE);
+        let means = Means { history_bytes, past_bytes, clock: Some(nanoseconds) };
+        Ok((Writer::new(settings, means)?, Geometries::new(bytes)))
+    }
+
+    fn session(
+        &self,
+        id: String,
+        access: Access,
+        lease: Option<Duration>,
+        world: (Writer, Geometries),
+    ) -> Arc<Session> {
+        Arc::new(Session::new(id, access, lease, &self.settings, self.waiting.clone(), world))
     }
 
     fn is_open(&self, session: &Session) -> bool {
@@ -222,8 +274,14 @@ impl Registry {
     }
 }
 
+/// Nanoseconds since the first call: what building something takes is told from it.
+fn nanoseconds() -> i64 {
+    static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    i64::try_from(BEGIN.elapsed().as_nanos()).unwrap_or(i64::MAX)
+}
+
 /// A wished id, if it is well formed.
-fn checked_id(wish: &str) -> Checked<String> {
+fn checked_id(field: &'static str, wish: &str) -> Checked<String> {
     let mut bytes = wish.bytes();
     let well_formed = bytes.next().is_some_and(|first| first.is_ascii_lowercase())
         && bytes.all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-')
@@ -233,7 +291,7 @@ fn checked_id(wish: &str) -> Checked<String> {
     }
     let wish = quoted(wish);
     let what = format!("is {wish}: an id is a letter a-z and up to 62 of a-z, 0-9 and -, such as \"arena-7\"");
-    Err(Problem::at("session", Reason::OutOfLimits, what))
+    Err(Problem::at(field, Reason::OutOfLimits, what))
 }
 
 #[cfg(test)]
@@ -243,10 +301,10 @@ mod tests {
     #[test]
     fn ids_are_a_letter_and_up_to_62_more() {
         for good in ["a", "arena-7", &"x".repeat(63)] {
-            assert_eq!(checked_id(good).unwrap(), good);
+            assert_eq!(checked_id("session", good).unwrap(), good);
         }
         for bad in ["7up", "-a", "A", "a_b", "ä", &"x".repeat(64)] {
-            let status = tonic::Status::from(checked_id(bad).unwrap_err());
+            let status = tonic::Status::from(checked_id("session", bad).unwrap_err());
             assert!(status.message().contains("arena-7"), "{status}");
         }
     }

@@ -20,6 +20,7 @@ use crate::{
     deadline::Deadline,
     geometries::Geometries,
     lease::Lease,
+    past,
     problem::{Checked, Problem, Reason},
     token::{Role, Tokens},
     writer::{When, Writer},
@@ -84,24 +85,21 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    /// A session with an empty world.
-    ///
-    /// # Errors
-    /// The world cannot be made.
+    /// A session with a world and its geometries.
     pub(crate) fn new(
         id: String,
         access: Access,
         lease: Option<Duration>,
         settings: &Settings,
         waiting: Arc<Semaphore>,
-    ) -> Checked<Self> {
-        let writer = Writer::new()?;
+        (writer, geometries): (Writer, Geometries),
+    ) -> Self {
         let newest = writer.world.newest();
-        Ok(Self {
+        Self {
             id,
             created: SystemTime::now(),
             lease: Lease::new(lease),
-            geometries: Geometries::new(settings.session_memory_bytes),
+            geometries,
             counters: Counters::default(),
             writer: Arc::new(tokio::sync::Mutex::new(writer)),
             ended: CancellationToken::new(),
@@ -111,7 +109,7 @@ impl Session {
             paged: Mutex::default(),
             shape_quota: settings.session_shapes,
             waiting,
-        })
+        }
     }
 
     /// What the bearer of `token` may do here.
@@ -161,36 +159,7 @@ impl Session {
             ReadAt::MinTick(tick) => self.wait_for(tick, deadline).await?,
             ReadAt::Newest | ReadAt::Tick(..) | ReadAt::Time(_) => self.newest(),
         };
-        match read_at {
-            ReadAt::Newest | ReadAt::MinTick(_) => Ok(newest),
-            ReadAt::Tick(tick, fraction) if tick == newest.tick() && fraction <= 0.0 => Ok(newest),
-            ReadAt::Tick(tick, _) if tick == newest.tick() => {
-                let what = format!("is above 0: there is no tick after {tick} yet, and nothing is extrapolated");
-                Err(not_held("read_at.tick_fraction", what, newest.tick()))
-            }
-            ReadAt::Tick(tick, _) if tick > newest.tick() => {
-                let what = format!(
-                    "is {tick}, which is not made yet: oldest and newest are {}; min_tick waits",
-                    newest.tick()
-                );
-                Err(not_held("read_at.tick", what, newest.tick()))
-            }
-            ReadAt::Tick(tick, _) => {
-                let what = format!(
-                    "is {tick}, which is no longer held: oldest and newest are {}, no history is kept yet",
-                    newest.tick()
-                );
-                Err(not_held("read_at.tick", what, newest.tick()))
-            }
-            ReadAt::Time(time) if time >= newest.time() => Ok(newest),
-            ReadAt::Time(_) => {
-                let what = format!(
-                    "is before the time of the oldest tick held: oldest and newest are {}, no history is kept yet",
-                    newest.tick()
-                );
-                Err(not_held("read_at.time", what, newest.tick()))
-            }
-        }
+        past::read(newest, read_at).await
     }
 
     async fn wait_for(&self, tick: Tick, deadline: Deadline) -> Checked<Arc<Snapshot>> {
@@ -239,11 +208,22 @@ impl Session {
         Ok(applied)
     }
 
+    /// Changes the settings of the world.
+    ///
+    /// # Errors
+    /// The world is in quarantine.
+    pub(crate) fn set(&self, writer: &mut Writer, settings: collision::world::Settings) -> Checked<()> {
+        writer.set(settings)?;
+        self.newest.store(writer.world.newest());
+        Ok(())
+    }
+
     /// Keeps a version for a while, so that further pages are of the same tick.
     pub(crate) fn keep_for_paging(&self, snapshot: &Arc<Snapshot>) {
         let now = Instant::now();
         let mut paged = self.paged.lock();
-        paged.retain(|(used, kept)| kept.tick() != snapshot.tick() && now.duration_since(*used) < PAGED_FOR);
+        let is_same = |kept: &Snapshot| is_of(kept, snapshot.tick(), snapshot.fraction());
+        paged.retain(|(used, kept)| !is_same(kept) && now.duration_since(*used) < PAGED_FOR);
         if paged.len() >= PAGED_VERSIONS {
             paged.remove(0);
         }
@@ -254,19 +234,20 @@ impl Session {
     ///
     /// # Errors
     /// It is no longer held.
-    pub(crate) fn paged(&self, tick: Tick) -> Checked<Arc<Snapshot>> {
+    pub(crate) fn paged(&self, tick: Tick, fraction: f64) -> Checked<Arc<Snapshot>> {
         let newest = self.newest();
-        if newest.tick() == tick {
+        if is_of(&newest, tick, fraction) {
             return Ok(newest);
         }
-        let kept = self.paged.lock().iter().find(|(_, kept)| kept.tick() == tick).map(|(_, kept)| kept.clone());
+        let kept = self.paged.lock().iter().find(|(_, kept)| is_of(kept, tick, fraction)).map(|(_, kept)| kept.clone());
         kept.ok_or_else(|| {
+            let (oldest, newest) = (newest.oldest_tick(), newest.tick());
             let what = format!(
-                "is of tick {tick}, which is no longer held: oldest and newest are {}; begin again without page_token \
-                 (pages are kept for 60 s)",
-                newest.tick()
+                "is of tick {tick}, whose pages are no longer held: {}; begin again without page_token (pages are kept for \
+                 60 s)",
+                past::held(oldest, newest)
             );
-            not_held("page_token", what, newest.tick())
+            past::not_held("page_token", what, oldest, newest)
         })
     }
 
@@ -278,9 +259,10 @@ impl Session {
         self.memory_bytes();
     }
 
-    /// Memory that it holds, bytes: that of its geometries, and an estimate for its shapes.
+    /// Memory that it holds, bytes: that of its geometries and of its past, and an estimate for its shapes.
     pub(crate) fn memory_bytes(&self) -> u64 {
-        self.geometries.memory_bytes(self.newest().len())
+        let newest = self.newest();
+        self.geometries.memory_bytes(newest.len()) + newest.past_memory_bytes()
     }
 
     /// What callers of a session are told that has ended meanwhile.
@@ -300,7 +282,7 @@ impl Session {
         }
         let mut shape_count = newest.len() + most_new;
         if shape_count > self.shape_quota {
-            let new: HashSet<_> = inserted.filter(|&id| newest.shape(id).is_none()).collect();
+            let new: HashSet<_> = inserted.filter(|&id| !newest.contains(id)).collect();
             shape_count = newest.len() + new.len();
         }
         if shape_count > self.shape_quota {
@@ -312,7 +294,7 @@ impl Session {
     }
 }
 
-/// A version that cannot be read; without history the newest is also the oldest.
-fn not_held(field: &str, what: String, newest: Tick) -> Problem {
-    Problem::at(field, Reason::TickNotHeld, what).with("oldest_tick", newest).with("newest_tick", newest)
+/// Whether a version is that of a tick and a fraction.
+fn is_of(snapshot: &Snapshot, tick: Tick, fraction: f64) -> bool {
+    snapshot.tick() == tick && snapshot.fraction().total_cmp(&fraction).is_eq()
 }

@@ -5,7 +5,7 @@ use std::{
     time::{Instant, SystemTime, UNIX_EPOCH},
 };
 
-use collision::world::{Edit, EditError, EditReport, EditRule, Tick, Time, World};
+use collision::world::{Edit, EditError, EditReport, EditRule, Means, Settings, Snapshot, Tick, Time, World};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
@@ -72,13 +72,28 @@ impl Writer {
     ///
     /// # Errors
     /// The world cannot be made.
-    pub(crate) fn new() -> Checked<Self> {
-        Ok(Self {
-            world: fenced("making a world", || World::new(BEGINNING))?,
-            retries: RetryCache::default(),
-            quarantine: None,
-            named: HashMap::new(),
-        })
+    pub(crate) fn new(settings: Settings, means: Means) -> Checked<Self> {
+        Ok(Self::of(fenced("making a world", || World::with(BEGINNING, settings, means))?))
+    }
+
+    /// The writer of a world that begins as a copy of a snapshot.
+    ///
+    /// # Errors
+    /// The world cannot be made.
+    pub(crate) fn fork(snapshot: &Snapshot) -> Checked<Self> {
+        Ok(Self::of(fenced("copying a world", || World::fork(snapshot))?))
+    }
+
+    fn of(world: World) -> Self {
+        Self { world, retries: RetryCache::default(), quarantine: None, named: HashMap::new() }
+    }
+
+    /// Changes the settings of the world.
+    ///
+    /// # Errors
+    /// The world is in quarantine.
+    pub(crate) fn set(&mut self, settings: Settings) -> Checked<()> {
+        self.guarded(|world| world.set(settings))
     }
 
     /// Applies a batch as one tick.
@@ -166,7 +181,7 @@ mod tests {
 
     #[test]
     fn a_panic_during_an_edit_puts_the_world_in_quarantine() {
-        let mut writer = Writer::new().unwrap();
+        let mut writer = Writer::new(Settings::default(), Means::default()).unwrap();
         let apply = |writer: &mut Writer| writer.apply(Vec::new(), When::Now, EditRule::AllOrNothing);
         apply(&mut writer).unwrap().unwrap();
         let last_whole = writer.world.newest().tick();
@@ -180,7 +195,7 @@ mod tests {
 
     #[test]
     fn a_new_stream_of_a_writer_cancels_the_old_and_learns_what_is_committed() {
-        let mut writer = Writer::new().unwrap();
+        let mut writer = Writer::new(Settings::default(), Means::default()).unwrap();
         let (first, old) = writer.begin_stream("arm");
         assert_eq!(first, Acked::default());
         let acked = Acked { sequence: 3, tick: Some(Tick::MIN) };
@@ -192,7 +207,7 @@ mod tests {
 
     #[test]
     fn the_idlest_writer_is_forgotten_when_there_are_too_many() {
-        let mut writer = Writer::new().unwrap();
+        let mut writer = Writer::new(Settings::default(), Means::default()).unwrap();
         let (_, idlest) = writer.begin_stream("idlest");
         for number in 0..NAMED_WRITERS {
             writer.begin_stream(&number.to_string());

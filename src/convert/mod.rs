@@ -11,4 +11,5 @@ pub(crate) mod geometry;
 pub(crate) mod number;
 pub(crate) mod place;
 pub(crate) mod question;
+pub(crate) mod settings;
 pub(crate) mod shape;

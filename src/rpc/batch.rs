@@ -59,7 +59,8 @@ pub(super) async fn answer(
         }
         answers.push(answer_one(question, &scene, index));
     }
-    let info = pb::AnswerInfo { tick: scene.snapshot.tick().get(), ..pb::AnswerInfo::default() };
+    let (tick, tick_fraction) = (scene.snapshot.tick().get(), scene.snapshot.fraction());
+    let info = pb::AnswerInfo { tick, tick_fraction, work: None };
     let response = pb::BatchResponse { answers, info: Some(info) };
     Ok(Response::new(fitting(response, "ask for fewer hits, or in several batches")?))
 }

@@ -8,7 +8,9 @@ use wire::v1 as pb;
 use super::{Server, session::session_out};
 use crate::{
     config::LEASE_RANGE,
+    convert::settings::changed,
     problem::{Checked, Problem, Reason, Under},
+    registry::DEFAULT_SETTINGS,
     retry::RetryKey,
 };
 
@@ -22,9 +24,9 @@ pub(super) fn answer(
 ) -> Result<Response<pb::CreateSessionResponse>, Status> {
     let sent = request.into_inner();
     let lease = lease(sent.lease.as_ref())?;
-    check_settings(sent.settings.as_ref()).under("settings")?;
+    let settings = changed(DEFAULT_SETTINGS, sent.settings.as_ref()).under("settings")?;
     let retry = RetryKey::of(&sent.request_id, &sent)?;
-    let created = server.registry.create(&sent.session, lease, retry)?;
+    let created = server.registry.create(&sent.session, lease, retry, settings)?;
     Ok(Response::new(pb::CreateSessionResponse { session: Some(session_out(&created.session)), token: created.token }))
 }
 
@@ -43,18 +45,4 @@ pub(super) fn lease(sent: Option<&prost_types::Duration>) -> Checked<Option<Dura
             Err(Problem::at("lease", Reason::OutOfLimits, what))
         }
     }
-}
-
-/// Refuses by name what is not honoured yet.
-fn check_settings(sent: Option<&pb::WorldSettings>) -> Checked<()> {
-    let Some(sent) = sent else { return Ok(()) };
-    if sent.history_ticks.is_some_and(|ticks| ticks > 0) {
-        let what = "is above 0: history is not kept yet, a later version will; leave it out or send 0";
-        return Err(Problem::at("history_ticks", Reason::NotYet, what));
-    }
-    if sent.margin.is_some() {
-        let what = "cannot be set yet, a later version will allow it; leave it out, results do not depend on it";
-        return Err(Problem::at("margin", Reason::NotYet, what));
-    }
-    Ok(())
 }

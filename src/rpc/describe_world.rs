@@ -2,7 +2,7 @@
 
 use std::{sync::atomic::Ordering, time::Duration};
 
-use collision::math::Aabb;
+use collision::{math::Aabb, world::Tick};
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
 
@@ -12,6 +12,7 @@ use crate::{
     convert::{
         number::{duration, timestamp},
         place::{aabb_out, number_out},
+        settings::settings_out,
     },
     token::Role,
 };
@@ -36,14 +37,14 @@ pub(super) async fn answer(
         name: built.name.to_owned(),
         count: built.count,
         memory_bytes: built.memory_bytes,
-        build_time: None,
-        first_tick: 0,
+        build_time: built.build_ns.map(|nanoseconds| duration(Duration::from_nanos(nanoseconds))),
+        first_tick: built.first_tick.map_or(0, Tick::get),
     });
     let counters = &session.counters;
     Ok(Response::new(pb::DescribeWorldResponse {
-        settings: Some(pb::WorldSettings { history_ticks: Some(0), margin: None }),
+        settings: Some(settings_out(description.settings)),
         tick: description.tick.get(),
-        oldest_tick: description.tick.get(),
+        oldest_tick: description.oldest_tick.get(),
         time: Some(timestamp(description.time)),
         shape_count: description.shape_count,
         static_count: description.static_count,

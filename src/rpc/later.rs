@@ -33,18 +33,12 @@ macro_rules! later {
 }
 
 later! {
-    FORK_SESSION = "ForkSession"
-        will "copy a session's world into a new session"
-        meanwhile "create a session and insert the shapes that ListShapes gives";
     UPLOAD_GEOMETRY = "UploadGeometry"
         will "take a geometry of more than 4 MiB in chunks"
         meanwhile "cut it into meshes that fit into one CreateGeometry message each";
     DOWNLOAD_GEOMETRY = "DownloadGeometry"
         will "send a registered geometry back"
         meanwhile "keep the form that you created; GetGeometry says its bounds and counts";
-    UPDATE_WORLD = "UpdateWorld"
-        will "change the settings of a world"
-        meanwhile "use the settings in force, which DescribeWorld names";
     WATCH_OVERLAPS = "WatchOverlaps"
         will "report which overlaps begin and end"
         meanwhile "ask Overlap after each tick, with read_at.min_tick";

@@ -1,8 +1,8 @@
 //! `ListShapes` and `GetShape`: what a version of the world holds.
 //!
-//! A page token is the tick of the first page and the last shape that was listed.
+//! A page token is the tick of the first page, the last shape that was listed, and the fraction between two ticks.
 
-use collision::world::{ShapeId, Tick};
+use collision::world::{ShapeId, Snapshot, Tick};
 use prost::Message;
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
@@ -36,7 +36,7 @@ pub(super) async fn list(
     let most = count("page_size", sent.page_size, 1000, 10_000)?;
     let bounds = sent.bounds.as_ref().map(aabb).transpose().under("bounds")?;
     let (snapshot, after) = match parse_token(&sent.page_token)? {
-        Some((tick, after)) => (session.paged(tick)?, Some(after)),
+        Some((tick, fraction, after)) => (session.paged(tick, fraction)?, Some(after)),
         None => (session.pin(read_at(sent.read_at.as_ref()).under("read_at")?, caller.deadline).await?, None),
     };
     // One more than asked tells whether there is a next page.
@@ -54,11 +54,11 @@ pub(super) async fn list(
     let next_page_token = match shapes.last() {
         Some(last) if shapes.len() < found.len() => {
             session.keep_for_paging(&snapshot);
-            format!("{}-{}", snapshot.tick(), last.id)
+            token(&snapshot, last.id)
         }
         Some(_) | None => String::new(),
     };
-    Ok(Response::new(pb::ListShapesResponse { shapes, next_page_token, info: Some(info(snapshot.tick())) }))
+    Ok(Response::new(pb::ListShapesResponse { shapes, next_page_token, info: Some(info(&snapshot)) }))
 }
 
 /// Says where a shape is.
@@ -78,20 +78,32 @@ pub(super) async fn get(
     let Some(shape) = snapshot.shape(id) else {
         return Err(shape_not_found("id", sent.id, snapshot.tick()).into());
     };
-    Ok(Response::new(pb::GetShapeResponse { shape: Some(shape_out(shape)), info: Some(info(snapshot.tick())) }))
+    Ok(Response::new(pb::GetShapeResponse { shape: Some(shape_out(&shape)), info: Some(info(&snapshot)) }))
 }
 
-fn info(tick: Tick) -> pb::AnswerInfo {
-    pb::AnswerInfo { tick: tick.get(), ..pb::AnswerInfo::default() }
+fn info(snapshot: &Snapshot) -> pb::AnswerInfo {
+    pb::AnswerInfo { tick: snapshot.tick().get(), tick_fraction: snapshot.fraction(), work: None }
 }
 
-fn parse_token(token: &str) -> Checked<Option<(Tick, ShapeId)>> {
+/// The tick, the last shape and, if there is one, the fraction as bits, which reads back as the same.
+fn token(snapshot: &Snapshot, last: u64) -> String {
+    let tick = snapshot.tick();
+    match snapshot.fraction() {
+        fraction if fraction > 0.0 => format!("{tick}-{last}-{:x}", fraction.to_bits()),
+        _ => format!("{tick}-{last}"),
+    }
+}
+
+fn parse_token(token: &str) -> Checked<Option<(Tick, f64, ShapeId)>> {
     if token.is_empty() {
         return Ok(None);
     }
-    let parsed = token.split_once('-').and_then(|(tick, after)| {
-        let after = after.parse().ok()?;
-        Some((tick.parse().ok()?, after))
+    let parsed = token.split_once('-').and_then(|(tick, rest)| {
+        let (after, fraction) = match rest.split_once('-') {
+            Some((after, bits)) => (after, f64::from_bits(u64::from_str_radix(bits, 16).ok()?)),
+            None => (rest, 0.0),
+        };
+        Some((tick.parse().ok()?, fraction, after.parse().ok()?))
     });
     parsed.map(Some).ok_or_else(|| {
         let what = format!("is {}, which no response gave: leave it empty to begin", quoted(token));

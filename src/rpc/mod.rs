@@ -7,6 +7,7 @@ mod describe_world;
 mod distance;
 mod edit;
 mod edit_stream;
+mod fork_session;
 mod geometries;
 mod geometry;
 mod later;
@@ -20,6 +21,7 @@ mod scene;
 mod session;
 mod sessions;
 mod time_of_impact;
+mod update_world;
 mod worlds;
 
 use std::{pin::Pin, sync::Arc, time::Duration};

@@ -108,7 +108,9 @@ impl Scene {
     pub(super) fn info(&self, terms: &Terms, work: &Work) -> Option<pb::AnswerInfo> {
         let work = terms.explain.then(|| answer::work(work));
         match self.naming {
-            Naming::Tick => Some(pb::AnswerInfo { tick: self.snapshot.tick().get(), tick_fraction: 0.0, work }),
+            Naming::Tick => {
+                Some(pb::AnswerInfo { tick: self.snapshot.tick().get(), tick_fraction: self.snapshot.fraction(), work })
+            }
             Naming::Nothing => work.map(|work| pb::AnswerInfo { work: Some(work), ..pb::AnswerInfo::default() }),
         }
     }

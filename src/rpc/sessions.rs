@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
 
-use super::{Server, create_session, later, session};
+use super::{Server, create_session, fork_session, session};
 
 /// `SessionService`.
 #[derive(Clone, Debug)]
@@ -22,9 +22,9 @@ impl pb::session_service_server::SessionService for Sessions {
 
     async fn fork_session(
         &self,
-        _request: Request<pb::ForkSessionRequest>,
+        request: Request<pb::ForkSessionRequest>,
     ) -> Result<Response<pb::ForkSessionResponse>, Status> {
-        Err(later::FORK_SESSION.into())
+        fork_session::answer(&self.0, request).await
     }
 
     async fn create_token(

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
-use super::{Server, describe_world, edit, edit_stream, later, list_shapes};
+use super::{Server, describe_world, edit, edit_stream, later, list_shapes, update_world};
 
 /// `WorldService`.
 #[derive(Clone, Debug)]
@@ -46,9 +46,9 @@ impl pb::world_service_server::WorldService for Worlds {
 
     async fn update_world(
         &self,
-        _request: Request<pb::UpdateWorldRequest>,
+        request: Request<pb::UpdateWorldRequest>,
     ) -> Result<Response<pb::UpdateWorldResponse>, Status> {
-        Err(later::UPDATE_WORLD.into())
+        update_world::answer(&self.0, request).await
     }
 
     type WatchOverlapsStream = super::Answers<pb::WatchOverlapsResponse>;

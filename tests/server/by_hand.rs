@@ -22,7 +22,7 @@ const EXPECTED: [&[Expected]; 9] = [
     &[Expected::Text("/verdict", "VERDICT_HIT"), Expected::Text("/hits/0/id", "1")],
     &[Expected::Number("/contacts/0/depth", 0.5), Expected::Number("/contacts/0/normal/z", -1.0)],
     &[Expected::Number("/hits/0/fraction", 0.35)],
-    &[Expected::Refusal("OutOfRange")],
+    &[Expected::Text("/verdict", "VERDICT_MISS"), Expected::Number("/info/tickFraction", 0.5)],
     &[Expected::Refusal("Unimplemented")],
     &[Expected::Text("/info/tick", "2")],
     &[Expected::Text("/tick", "2"), Expected::Text("/shapeCount", "1")],

@@ -7,6 +7,7 @@ mod batch;
 mod by_hand;
 mod edit_stream;
 mod edits;
+mod forks;
 mod forms;
 mod geometries;
 mod harness;

@@ -45,11 +45,11 @@ async fn a_shape_is_read_at_the_version_asked_for() {
     bench.edit(vec![insert(shape(1, sphere(1.0), at(0.0, 0.0, 5.0)))]).await.unwrap();
     let request = pb::GetShapeRequest {
         id: 1,
-        read_at: Some(pb::ReadAt { at: Some(At::Tick(1)), tick_fraction: 0.0 }),
+        read_at: Some(pb::ReadAt { at: Some(At::Tick(3)), tick_fraction: 0.0 }),
         ..pb::GetShapeRequest::default()
     };
     let status = bench.worlds.get_shape(request).await.unwrap_err();
-    assert_refused(&status, Code::OutOfRange, "TICK_NOT_HELD", "read_at.tick", &["oldest and newest are 2"]);
+    assert_refused(&status, Code::OutOfRange, "TICK_NOT_HELD", "read_at.tick", &["oldest is 1, newest 2"]);
 }
 
 #[tokio::test]
@@ -58,7 +58,8 @@ async fn a_description_tells_what_is_there_and_what_is_in_force() {
     let empty = bench.describe().await;
     assert_eq!((empty.tick, empty.oldest_tick, empty.shape_count), (1, 1, 0));
     assert!(empty.bounds.is_none());
-    assert_eq!(empty.settings.unwrap().history_ticks, Some(0));
+    assert_eq!(empty.settings.unwrap().history_ticks, Some(64));
+    assert!(empty.built.is_empty(), "nothing was needed yet");
     let ground =
         pb::Shape { mobility: pb::Mobility::Static.into(), ..shape(1, cuboid(8.0, 1.0, 8.0), at(0.0, -1.0, 0.0)) };
     bench.edit(vec![insert(ground), insert(shape(2, sphere(1.0), at(0.0, 1.0, 0.0)))]).await.unwrap();
@@ -68,4 +69,14 @@ async fn a_description_tells_what_is_there_and_what_is_in_force() {
     assert_eq!((description.question_count, description.edit_count), (1, 2));
     assert!(description.memory_bytes > 0 && description.coordinate_step > 0.0);
     assert!(description.bounds.unwrap().max.unwrap().x >= 8.0);
+    let built = |description: &pb::DescribeWorldResponse| {
+        description.built.iter().map(|built| (built.name.clone(), built.first_tick)).collect::<Vec<_>>()
+    };
+    let names = ["dynamic_tree", "static_tree", "history"].map(|name| (name.to_owned(), 2));
+    assert_eq!(built(&description), names);
+    assert!(description.built[1].build_time.is_some() && description.built[0].build_time.is_none());
+    let past = pb::RaycastRequest { options: Some(crate::harness::read_at(At::Tick(1))), ..ray_along_z() };
+    bench.questions.raycast(past).await.unwrap();
+    let description = bench.describe().await;
+    assert_eq!((description.oldest_tick, built(&description)[3].clone()), (1, ("past_trees".to_owned(), 2)));
 }

@@ -69,13 +69,16 @@ async fn leases_and_settings_out_of_range_are_refused_by_name() {
         let status = bench.sessions.create_session(request).await.unwrap_err();
         assert_refused(&status, Code::InvalidArgument, "OUT_OF_LIMITS", "lease", &["1 second to 30 days"]);
     }
-    for (settings, field) in [
-        (pb::WorldSettings { history_ticks: Some(8), margin: None }, "settings.history_ticks"),
-        (pb::WorldSettings { history_ticks: Some(0), margin: Some(0.1) }, "settings.margin"),
+    for (settings, field, allowed) in [
+        (pb::WorldSettings { history_ticks: Some(65_537), margin: None }, "settings.history_ticks", "0 to 65536"),
+        (pb::WorldSettings { history_ticks: Some(0), margin: Some(-0.1) }, "settings.margin", "0 to 1e9 metres"),
     ] {
         let request = pb::CreateSessionRequest { settings: Some(settings), ..pb::CreateSessionRequest::default() };
         let status = bench.sessions.create_session(request).await.unwrap_err();
-        assert_refused(&status, Code::Unimplemented, "NOT_YET", field, &["leave it out"]);
+        assert_refused(&status, Code::InvalidArgument, "OUT_OF_LIMITS", field, &[allowed]);
+        let request = pb::UpdateWorldRequest { settings: Some(settings), ..pb::UpdateWorldRequest::default() };
+        let status = bench.worlds.update_world(request).await.unwrap_err();
+        assert_refused(&status, Code::InvalidArgument, "OUT_OF_LIMITS", field, &[allowed]);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Snapshot, Tick, Time};
+use super::{Settings, Snapshot, Tick, Time};
 use crate::{
     broad::StaticTree,
     math::Aabb,
@@ -18,6 +18,8 @@ pub struct Description {
     pub oldest_tick: Tick,
     /// When it was made.
     pub time: Time,
+    /// The settings in force.
+    pub settings: Settings,
     /// Shapes.
     pub shape_count: u64,
     /// Of those, the static ones.
@@ -76,6 +78,7 @@ impl Snapshot {
             tick: self.tick,
             oldest_tick: self.oldest_tick(),
             time: self.time,
+            settings: self.settings,
             shape_count: self.len() as u64,
             static_count: state.static_count as u64,
             bounds,
@@ -84,6 +87,13 @@ impl Snapshot {
             built,
             memory_bytes: tree_bytes + geometry_bytes + state.shapes.memory_bytes() + state.ids.memory_bytes(),
         }
+    }
+
+    /// What its history holds, and what questions to the past had built, bytes; geometries not.
+    #[must_use]
+    pub fn past_memory_bytes(&self) -> u64 {
+        let history = if self.history.len() > 0 { self.history.memory_bytes() } else { 0 };
+        history + self.kept.holds(self.state()).1
     }
 
     /// All but what geometries hold.

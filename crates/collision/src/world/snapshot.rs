@@ -163,6 +163,12 @@ impl Snapshot {
         }
     }
 
+    /// Whether it holds a shape.
+    #[must_use]
+    pub fn contains(&self, id: ShapeId) -> bool {
+        self.find(id).is_some()
+    }
+
     /// The canonical box of a shape, rounded outwards, metres.
     #[must_use]
     pub fn bounds_of(&self, id: ShapeId) -> Option<Aabb> {

@@ -64,6 +64,11 @@ impl Kept {
         Arc::clone(span)
     }
 
+    /// Whether the span that holds a moment is built.
+    pub(super) fn has(&self, tick: Tick, next: Tick) -> bool {
+        self.lock().iter().any(|kept| kept.holds(tick, next) && kept.cell.get().is_some())
+    }
+
     /// How many there are, and what they hold in memory besides what `newest` shares with them, bytes.
     pub(in crate::world) fn holds(&self, newest: &State) -> (u64, u64) {
         let spans = self.lock();
@@ -77,7 +82,7 @@ impl Kept {
         let serves = |kept: &KeptSpan| {
             // One that is not built yet might be built by this reader, who may hold other records than it needs.
             let is_ready = kept.cell.get().is_some() || (kept.first, kept.last) == (first, last);
-            kept.first <= tick && next <= kept.last && tick.get() / SPAN_TICKS == kept.number() && is_ready
+            kept.holds(tick, next) && is_ready
         };
         if let Some(place) = spans.iter().position(serves) {
             // The one that was used last is last.
@@ -106,6 +111,11 @@ impl Kept {
 }
 
 impl KeptSpan {
+    /// Whether it holds a moment between `tick` and `next`.
+    fn holds(&self, tick: Tick, next: Tick) -> bool {
+        self.first <= tick && next <= self.last && tick.get() / SPAN_TICKS == self.number()
+    }
+
     /// Which of the spans of all time it is.
     fn number(&self) -> u64 {
         self.first.get() / SPAN_TICKS

@@ -106,6 +106,19 @@ impl Snapshot {
         }))
     }
 
+    /// Whether [`Snapshot::at`] gives a moment without preparing anything.
+    #[must_use]
+    pub fn is_prepared(&self, moment: Moment) -> bool {
+        match (&self.content, self.resolve(moment)) {
+            (Content::Then(past), _) => past.newest.is_prepared(moment),
+            (Content::Now(_), Err(_)) => true,
+            (Content::Now(_), Ok((tick, fraction))) => {
+                let next = if fraction > 0.0 { tick.saturating_add(1) } else { tick };
+                tick == self.tick || self.kept.has(tick, next)
+            }
+        }
+    }
+
     /// The oldest tick that [`Snapshot::at`] can give.
     #[must_use]
     pub fn oldest_tick(&self) -> Tick {
