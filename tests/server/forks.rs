@@ -1,5 +1,8 @@
 //! Copies of a world to try something out, and other settings of a world.
 
+use std::time::SystemTime;
+
+use calipers_client::{Client, ask};
 use tonic::Code;
 use wire::v1::{self as pb, read_at::At};
 
@@ -116,4 +119,22 @@ async fn settings_that_are_left_out_stay() {
     let describe = pb::DescribeWorldRequest { session: made.session.unwrap().session };
     let described = bench.worlds.describe_world(with_token(&made.token, describe)).await.unwrap().into_inner();
     assert_eq!(described.settings.unwrap(), settings(5, None));
+}
+
+#[tokio::test]
+async fn the_client_forks_and_reads_the_past() {
+    let bench = readme_world().await;
+    let client = Client::connect(&bench.server.local_addr().to_string()).await.unwrap();
+    let what_if = client.fork(pb::ForkSessionRequest::default()).await.unwrap();
+    what_if.edit([calipers_client::shape::sphere(9, 0.5).insert()]).await.unwrap();
+    let mut ray = ask::ray([0.0; 3], [0.0, 0.0, 1.0]);
+    let mut first = async |options| {
+        ray.options = Some(options);
+        what_if.raycast(ray.clone()).await.unwrap().hits[0].id
+    };
+    assert_eq!(first(ask::at_tick(2)).await, 1);
+    assert_eq!(first(ask::between_ticks(2, 0.5)).await, 1);
+    assert_eq!(first(ask::at_tick(3)).await, 9);
+    assert_eq!(first(ask::at_time(SystemTime::now())).await, 9);
+    what_if.delete_session(pb::DeleteSessionRequest::default()).await.unwrap();
 }

@@ -79,6 +79,31 @@ pub fn seeing_tick(min_tick: u64) -> proto::QueryOptions {
     proto::QueryOptions { read_at: Some(read_at), ..proto::QueryOptions::default() }
 }
 
+/// Options of a question that reads exactly this tick, as it was.
+pub fn at_tick(tick: u64) -> proto::QueryOptions {
+    between_ticks(tick, 0.0)
+}
+
+/// Options of a question that reads the moment between this tick and the next, `fraction` of the way on, from 0 to below 1:
+/// poses are interpolated.
+///
+/// ```
+/// use calipers_client::ask;
+///
+/// let mut ray = ask::ray([0.0; 3], [0.0, 0.0, 1.0]);
+/// ray.options = Some(ask::between_ticks(41, 0.5));
+/// ```
+pub fn between_ticks(tick: u64, fraction: f64) -> proto::QueryOptions {
+    let read_at = proto::ReadAt { at: Some(read_at::At::Tick(tick)), tick_fraction: fraction };
+    proto::QueryOptions { read_at: Some(read_at), ..proto::QueryOptions::default() }
+}
+
+/// Options of a question that reads the state at a time; after the newest tick that is the newest.
+pub fn at_time(time: std::time::SystemTime) -> proto::QueryOptions {
+    let read_at = proto::ReadAt { at: Some(read_at::At::Time(time.into())), tick_fraction: 0.0 };
+    proto::QueryOptions { read_at: Some(read_at), ..proto::QueryOptions::default() }
+}
+
 /// Options of a question in the exact tier, which goes on until the interval cannot get narrower.
 pub fn exactly() -> proto::QueryOptions {
     let accuracy = proto::Accuracy { tier: proto::Tier::Exact.into(), ..proto::Accuracy::default() };

@@ -228,8 +228,29 @@ impl Client {
     /// ```
     pub async fn open_session(&self, request: proto::CreateSessionRequest) -> Result<Self, Error> {
         let response = self.create_session(request).await?;
-        let session = response.session.unwrap_or_default().session;
-        self.clone().with_session(session).with_token(&response.token)
+        self.of_session(response.session, &response.token)
+    }
+
+    /// Makes a session whose world begins as a copy of this client's, and a client of it that carries its owner's token: try
+    /// something out there, then delete it.
+    ///
+    /// ```no_run
+    /// # async fn example(client: calipers_client::Client) -> Result<(), calipers_client::Error> {
+    /// use calipers_client::{proto, shape};
+    ///
+    /// let what_if = client.fork(proto::ForkSessionRequest::default()).await?;
+    /// what_if.edit([shape::sphere(9, 0.5).insert()]).await?;
+    /// what_if.delete_session(proto::DeleteSessionRequest::default()).await?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub async fn fork(&self, request: proto::ForkSessionRequest) -> Result<Self, Error> {
+        let response = self.fork_session(request).await?;
+        self.of_session(response.session, &response.token)
+    }
+
+    fn of_session(&self, session: Option<proto::Session>, token: &str) -> Result<Self, Error> {
+        self.clone().with_session(session.unwrap_or_default().session).with_token(token)
     }
 }
 
@@ -287,6 +308,8 @@ calls_of_the_session! {
     list_geometries = geometries.list_geometries(ListGeometriesRequest) -> ListGeometriesResponse;
     /// Forgets a geometry; shapes that use it keep it.
     delete_geometry = geometries.delete_geometry(DeleteGeometryRequest) -> DeleteGeometryResponse;
+    /// Makes a session whose world begins as a copy of this one's; [`fork`](Client::fork) returns a client of it.
+    fork_session = sessions.fork_session(ForkSessionRequest) -> ForkSessionResponse;
     /// Makes one more token for the session.
     create_token = sessions.create_token(CreateTokenRequest) -> CreateTokenResponse;
     /// Says how the session stands.
