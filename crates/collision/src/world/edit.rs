@@ -176,6 +176,7 @@ impl World {
         } else {
             Arc::new(newest.history.resized(newest.tick, bounds(settings, newest.means)))
         };
+        newest.kept.forget_before(history.oldest(newest.tick));
         self.newest = Arc::new(Snapshot {
             content: Content::Now(state),
             history,
@@ -237,6 +238,7 @@ impl World {
             }
             None => Arc::clone(&before.history),
         };
+        before.kept.forget_before(history.oldest(tick));
         let content = Content::Now(state);
         self.newest = Arc::new(Snapshot {
             tick,

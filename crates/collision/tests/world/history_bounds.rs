@@ -147,6 +147,10 @@ fn what_questions_to_the_past_had_built_is_let_go() {
         }
     }
     assert!(most < 800_000 && most > 200_000 && most_count > 1, "{most} bytes, {most_count} spans");
+    let nothing = |world: &World| bytes(world, "past_trees");
+    assert!(nothing(&world) > 0);
+    empty_ticks(&mut world, 500..900);
+    assert_eq!(nothing(&world), 0, "all that was asked is no longer held");
 }
 
 /// A history so long that it holds whole versions: the walk from one of them finds the same.

@@ -64,6 +64,11 @@ impl Kept {
         Arc::clone(span)
     }
 
+    /// Lets those go that hold nothing from `oldest` on: nobody who reads the newest version can ask for them.
+    pub(in crate::world) fn forget_before(&self, oldest: Tick) {
+        self.lock().retain(|kept| kept.last > oldest);
+    }
+
     /// Whether the span that holds a moment is built.
     pub(super) fn has(&self, tick: Tick, next: Tick) -> bool {
         self.lock().iter().any(|kept| kept.holds(tick, next) && kept.cell.get().is_some())

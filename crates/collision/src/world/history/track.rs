@@ -119,25 +119,27 @@ impl Track {
 
     /// A box that holds its canonical box at every moment of the span.
     pub(super) fn bounds(&self, geometry: &Geometry, placements: &[Placement]) -> Aabb {
-        let mut before = self.placement(self.first, placements).pose;
-        let mut all = geometry.bounds(&before);
+        let pose = self.placement(self.first, placements).pose;
+        let mut before = (pose, geometry.bounds(&pose));
+        let mut all = before.1;
         for at in self.first + 1..=self.last {
             if self.moved & (1 << at) == 0 {
                 continue;
             }
             let pose = self.placement(at, placements).pose;
-            all = all.union(geometry.bounds(&pose));
+            let after = (pose, geometry.bounds(&pose));
+            all = all.union(after.1);
             if self.jumped & (1 << at) == 0 {
-                all = all.union(on_the_way(geometry, &before, &pose));
+                all = all.union(on_the_way(geometry, &before, &after));
             }
-            before = pose;
+            before = after;
         }
         all
     }
 }
 
-/// A box that holds the canonical box of a shape at every moment between two poses.
-fn on_the_way(geometry: &Geometry, begin: &Pose, end: &Pose) -> Aabb {
+/// A box that holds the canonical box of a shape at every moment between two poses, given the boxes at both.
+fn on_the_way(geometry: &Geometry, (begin, box_begin): &(Pose, Aabb), (end, box_end): &(Pose, Aabb)) -> Aabb {
     let reach = match geometry.form() {
         Form::Convex(_) => geometry.reach(),
         // Its canonical box is that of its turned box, whose corners go beyond its points.
@@ -150,7 +152,7 @@ fn on_the_way(geometry: &Geometry, begin: &Pose, end: &Pose) -> Aabb {
             return Aabb::new(-farthest, farthest);
         }
     };
-    let straight = geometry.bounds(begin).union(geometry.bounds(end));
+    let straight = box_begin.union(*box_end);
     let centers = Aabb::new(begin.position.min(end.position), begin.position.max(end.position));
     let farthest = centers.min.abs().max(centers.max.abs()).max_element() + reach;
     let rounding = farthest * tolerance::ON_THE_WAY;
