@@ -116,8 +116,9 @@ pub(super) trait Gaps {
     /// Whether they touch at the start, as exactly as at rest.
     fn at_rest(&mut self) -> Verdict;
 
-    /// Whether the way between two instants is proved free.
-    fn is_free_between(&self, from: &Instant, to: &Instant) -> bool;
+    /// How much the gap may shrink between two instants, as a multiple of what their gaps leave it: below 1 the way between
+    /// them is proved free. Infinite where there is no gap.
+    fn strain_between(&self, from: &Instant, to: &Instant) -> f64;
 
     /// Whether all that is left of the way is cheaply proved free.
     fn is_free_to_end(&mut self, from: &Instant) -> bool;
@@ -208,19 +209,22 @@ fn advance(gaps: &mut impl Gaps, start: Look, width: &Width) -> Option<Touch> {
 fn step(gaps: &mut impl Gaps, progress: &mut Progress, time: f64) {
     let look = gaps.look(time);
     let free = progress.free;
-    if gaps.is_free_between(&free.instant, &look.instant) {
+    let strain = gaps.strain_between(&free.instant, &look.instant);
+    if strain < 1.0 {
         (progress.before, progress.free, progress.cut) = (Some(free), look, 1.0);
         return;
     }
     if look.is_overlap {
         progress.overlap = Some(time);
     }
-    progress.shorten(time);
+    progress.shorten(time, strain);
 }
 
 /// Goes on behind a doubtful time, if that it was.
 fn step_past(gaps: &impl Gaps, progress: &mut Progress, look: Look) {
-    if !gaps.is_free_between(&progress.free.instant, &look.instant) {
+    let strain = gaps.strain_between(&progress.free.instant, &look.instant);
+    // Written so that NaN is doubtful.
+    if !(strain < 1.0) {
         let from = progress.doubt.map_or(progress.free, |doubt| doubt.from);
         progress.doubt = Some(Doubt { from, until: look.instant.time });
     }

@@ -25,6 +25,9 @@ const SHARE_TRIED: f64 = 0.625;
 /// How much nearer overlap is sought after an attempt that failed.
 const NARROWING: f64 = 1.0 / 16.0;
 
+/// The part of the step that strain would just allow which is tried: the gap may be narrower there.
+const STRAIN_TRIED: f64 = 0.875;
+
 /// No step turns further than this, radians: nothing is foretold over more.
 const STEP_TURN_MAX: f64 = 2.0;
 
@@ -55,12 +58,14 @@ impl Progress {
         Self { free, before: None, overlap: None, doubt: None, cut: 1.0, narrowing: 1.0 }
     }
 
-    /// A look at a time was of no use: the next is taken nearer.
-    pub(super) fn shorten(&mut self, time: f64) {
+    /// A look at a time was of no use: the next is taken nearer. The strain grows with the square of the time.
+    pub(super) fn shorten(&mut self, time: f64, strain: f64) {
         if time > self.free.instant.time + self.predicted() {
             self.narrowing *= NARROWING;
         }
-        self.cut = if self.cut == 1.0 { 1.0 - 2.0 * CAUTION } else { self.cut * 0.5 };
+        let provable = STRAIN_TRIED / strain.sqrt();
+        let cut = if self.cut == 1.0 { 1.0 - 2.0 * CAUTION } else { self.cut * 0.5 };
+        self.cut = if provable > 0.0 { cut.min(self.cut * provable) } else { cut };
     }
 
     /// Where to look next; `None` if the gap is within rounding, so that no step is to be had.

@@ -18,7 +18,7 @@ use super::{
     cast::{self, Approach},
     frame::Pair,
     gjk, order, portal, rods, separation,
-    simplex::{self, Simplex},
+    simplex::Simplex,
     slide::{self, Slide},
     turning,
     warm::Seed,
@@ -289,13 +289,8 @@ impl<'a> Search<'a> {
         if radius > 0.0 {
             return later.point().norm() + PAIR_ROUNDING <= radius;
         }
-        let vertices = simplex.vertices();
-        if vertices.len() != 3 {
-            return false;
-        }
-        let [a, b, c] = [0, 1, 2].map(|i: usize| vertices[i].point + self.way * ahead);
-        let inner = self.pair.a.center() - self.pair.b.center() + self.way * ahead;
-        simplex::margin(&[a, b, c, inner]).is_some_and(|margin| margin > PAIR_ROUNDING)
+        let [a, b, c] = *simplex.vertices() else { return false };
+        portal::is_behind(&self.pair, &[a, b, c].map(|corner| corner.point), self.way * ahead, PAIR_ROUNDING)
     }
 
     /// A point between the cores' nearest ones, on the surface of the first form.

@@ -163,20 +163,21 @@ impl<'a> Course<'a> {
         Instant { time, free: plane - self.pair.radius() - self.rounding, normal: direction }
     }
 
-    /// Whether the pair is proved free between two instants. NaN counts as no.
-    pub(super) fn is_free_between(&self, from: &Instant, to: &Instant) -> bool {
+    /// As [`Gaps::strain_between`](crate::narrow::advance::Gaps::strain_between).
+    pub(super) fn strain_between(&self, from: &Instant, to: &Instant) -> f64 {
         if !(from.free > 0.0 && to.free > 0.0) {
-            return false;
+            return f64::INFINITY;
         }
         let time = to.time - from.time;
-        if self.speed() * time < from.free + to.free {
-            return true;
+        let straight = self.speed() * time * BEND_WIDENING / (from.free + to.free);
+        if straight < 1.0 {
+            return straight;
         }
         let turned = to.normal - from.normal;
         let chord_sq = turned.length_squared();
         // Of a quarter turn, whose chord is √2, the angle is not above the first term of its series by more than this.
         if chord_sq > 2.0 {
-            return false;
+            return straight;
         }
         let angle = chord_sq.sqrt() * (1.0 + chord_sq / 16.0);
         let ahead = self.way.dot(from.normal).abs();
@@ -185,7 +186,7 @@ impl<'a> Course<'a> {
         let swing = across * (1.0 + angle * angle * 0.25) + angle * (angle * ahead + self.spin);
         let bent = (swing + self.bend * time * 0.5) * time * BEND_WIDENING;
         let root = from.free.sqrt() + to.free.sqrt();
-        bent < root * root
+        straight.min(bent / (root * root) * BEND_WIDENING)
     }
 
     /// As [`balls::entry`].

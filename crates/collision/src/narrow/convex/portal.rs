@@ -31,7 +31,7 @@ use super::{
     cast::{self, Approach},
     frame::Pair,
     gjk,
-    simplex::{Simplex, Vertex},
+    simplex::{self, Simplex, Vertex},
 };
 use crate::{
     math::Norm,
@@ -55,6 +55,17 @@ pub(super) fn approach(pair: &Pair<'_>, way: DVec3, entry: f64, budget: u32) -> 
     let shift = way * search.time.min(1.0);
     let simplex = corners.and_then(|corners| Simplex::nearest_of(&corners.map(|corner| cast::moved(corner, shift))));
     Approach { time: search.time, normal: search.normal, simplex, iterations: search.iterations }
+}
+
+/// Whether the origin surely lies behind three points of the difference that have moved by `shift` as all of it has: in the
+/// tetrahedron that they make with a point inside, by more than `rounding`. So the forms overlap.
+pub(super) fn is_behind(pair: &Pair<'_>, corners: &[DVec3; 3], shift: DVec3, rounding: f64) -> bool {
+    let [a, b, c] = corners.map(|corner| corner + shift);
+    let inner = pair.a.center() - pair.b.center() + shift;
+    // Most origins that do not are before the three.
+    let normal = (b - a).cross(c - a);
+    let is_beside = normal.dot(a) * normal.dot(inner - a) < 0.0;
+    is_beside && simplex::margin(&[a, b, c, inner]).is_some_and(|margin| margin > rounding)
 }
 
 struct Search<'p, 'a> {

@@ -88,19 +88,28 @@ impl Seed {
         Self { corners, count: vertices.len(), normal }
     }
 
+    /// The three corners that were nearest, where they are at the pair's present pose; `None` if those were not three.
+    pub(super) fn triangle(&self, pair: &Pair<'_>) -> Option<[DVec3; 3]> {
+        let is_known = self.count == 3 && pair.a.core.is_polytope() && pair.b.core.is_polytope();
+        is_known.then(|| [0, 1, 2].map(|i: usize| vertex(pair, self.corners[i]).point))
+    }
+
     /// The simplex to begin with at the pair's present pose; `None` if nothing useful is known.
     pub(super) fn simplex(&self, pair: &Pair<'_>) -> Option<Simplex> {
         let in_range =
             |body: &Body<'_>, corner: u32| body.corner_count().is_some_and(|count| (corner as usize) < count);
         let known = &self.corners[..self.count.min(4)];
         if !known.is_empty() && known.iter().all(|&[on_a, on_b]| in_range(&pair.a, on_a) && in_range(&pair.b, on_b)) {
-            let vertex = |&[on_a, on_b]: &[u32; 2]| Vertex::new(pair.a.corner(on_a), pair.b.corner(on_b));
-            let mut vertices = [vertex(&known[0]); 4];
-            for (slot, corners) in vertices.iter_mut().zip(known) {
-                *slot = vertex(corners);
+            let mut vertices = [vertex(pair, known[0]); 4];
+            for (slot, &corners) in vertices.iter_mut().zip(known).skip(1) {
+                *slot = vertex(pair, corners);
             }
             return Simplex::nearest_of(&vertices[..known.len()]);
         }
         (self.normal != DVec3::ZERO).then(|| Simplex::of(gjk::support(pair, self.normal)))
     }
+}
+
+fn vertex(pair: &Pair<'_>, [on_a, on_b]: [u32; 2]) -> Vertex {
+    Vertex::new(pair.a.corner(on_a), pair.b.corner(on_b))
 }

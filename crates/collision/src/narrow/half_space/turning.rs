@@ -160,18 +160,19 @@ impl Gaps for Search<'_> {
         above.signed(self.body, &above.lowest()).verdict
     }
 
-    fn is_free_between(&self, from: &Instant, to: &Instant) -> bool {
+    fn strain_between(&self, from: &Instant, to: &Instant) -> f64 {
         if from.free <= 0.0 || to.free <= 0.0 {
-            return false;
+            return f64::INFINITY;
         }
         let time = to.time - from.time;
         let root = from.free.sqrt() + to.free.sqrt();
-        self.paces.speed * time < from.free + to.free || self.paces.bend * time * time * 0.5 < root * root
+        let (straight, bent) = (self.paces.speed * time, self.paces.bend * time * time * 0.5);
+        (straight / (from.free + to.free)).min(bent / (root * root)) * BEND_WIDENING
     }
 
     fn is_free_to_end(&mut self, from: &Instant) -> bool {
         let end = self.look(1.0);
-        self.is_free_between(from, &end.instant)
+        self.strain_between(from, &end.instant) < 1.0
     }
 
     fn paces(&self) -> Paces {
