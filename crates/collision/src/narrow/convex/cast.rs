@@ -47,6 +47,7 @@ pub(super) fn approach(pair: &Pair<'_>, way: DVec3, entry: f64, budget: u32) -> 
     let first = gjk::support(pair, toward_a.try_unit().unwrap_or(DVec3::X));
     let mut simplex = Simplex::of(moved(first, way * entry));
     let mut found = Approach { time: entry, normal: DVec3::ZERO, simplex: None, iterations: 0 };
+    let mut is_ahead = true;
     while found.iterations < budget {
         found.iterations += 1;
         let nearest = simplex.point();
@@ -54,38 +55,62 @@ pub(super) fn approach(pair: &Pair<'_>, way: DVec3, entry: f64, budget: u32) -> 
         if length <= radius + 2.0 * PAIR_ROUNDING || simplex.vertices().len() == 4 {
             break;
         }
-        let toward = nearest / length;
+        let ahead = if is_ahead { foreseen(&simplex, way, radius) } else { None };
+        let toward = ahead.unwrap_or(nearest / length);
         let vertex = moved(gjk::support(pair, toward), way * found.time);
         let free = toward.dot(vertex.point) - PAIR_ROUNDING - radius;
-        let is_known = simplex.contains(&vertex);
-        if !is_known {
-            simplex = simplex.with(&vertex);
-        }
-        if free > 0.0 {
-            found.normal = toward;
-            let closing = -toward.dot(way);
-            let step = if closing > 0.0 { free / closing * STEP_SHORTENING } else { f64::INFINITY };
-            if found.time + step > 1.0 {
-                found.time = f64::INFINITY;
-                break;
-            }
-            if found.time + step <= found.time {
-                break;
-            }
-            found.time += step;
-            simplex = simplex.moved(way * step);
-        } else if is_known {
-            break;
+        let closing = -toward.dot(way);
+        let step = if free <= 0.0 {
+            0.0
+        } else if closing > 0.0 {
+            free / closing * STEP_SHORTENING
         } else {
-            let next = simplex.nearest();
-            let is_nearer = next.point().length_squared() < nearest.length_squared();
-            simplex = next;
-            if !is_nearer {
-                break;
-            }
+            f64::INFINITY
+        };
+        if found.time + step > 1.0 {
+            found.time = f64::INFINITY;
+            break;
         }
+        let is_known = simplex.contains(&vertex);
+        let grown = if is_known { simplex } else { simplex.with(&vertex) };
+        let is_nearer = if found.time + step > found.time {
+            (found.normal, found.time) = (toward, found.time + step);
+            simplex = grown.moved(way * step);
+            true
+        } else {
+            let next = if is_known { simplex } else { grown.nearest() };
+            let is_nearer = next.point().length_squared() < nearest.length_squared();
+            simplex = if is_nearer { next } else { simplex };
+            is_nearer
+        };
+        // What is foreseen may be wrong: then the plane across what is nearest now has the say.
+        if !is_nearer && ahead.is_none() {
+            break;
+        }
+        is_ahead = is_nearer;
     }
     Approach { simplex: Some(simplex), ..found }
+}
+/// The direction towards the features that are nearest, at the time when they will be as near as `radius`; `None` if that is
+/// the present one or if they pass by. For a corner or an edge it is the normal of the touch, which planes only converge to.
+fn foreseen(simplex: &Simplex, way: DVec3, radius: f64) -> Option<DVec3> {
+    let nearest = simplex.point();
+    let across = match simplex.vertices() {
+        [_] => way,
+        [a, b] => {
+            let along = (b.point - a.point).try_unit()?;
+            way - along * along.dot(way)
+        }
+        _ => return None,
+    };
+    let (toward, speed_sq) = (-nearest.dot(across), across.length_squared());
+    let excess = nearest.length_squared() - radius * radius;
+    let root = toward * toward - speed_sq * excess;
+    if radius > 0.0 && toward > 0.0 && root > 0.0 {
+        (nearest + across * (excess / (toward + root.sqrt()))).try_unit()
+    } else {
+        None
+    }
 }
 
 /// A vertex after `b` has gone by `-way`.

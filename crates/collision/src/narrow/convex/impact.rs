@@ -284,13 +284,13 @@ impl<'a> Search<'a> {
     /// else the tetrahedron that they make with a point inside. This spares a search wherever the touch is not at the very
     /// edge of a feature.
     fn is_held_by(&self, simplex: &Simplex, ahead: f64) -> bool {
-        let later = simplex.moved(self.way * ahead);
+        let shift = self.way * ahead;
         let radius = self.pair.radius();
         if radius > 0.0 {
-            return later.point().norm() + PAIR_ROUNDING <= radius;
+            return (simplex.point() + shift).norm() + PAIR_ROUNDING <= radius;
         }
         let [a, b, c] = *simplex.vertices() else { return false };
-        portal::is_behind(&self.pair, &[a, b, c].map(|corner| corner.point), self.way * ahead, PAIR_ROUNDING)
+        portal::is_behind(&self.pair, &[a, b, c].map(|corner| corner.point), shift, PAIR_ROUNDING)
     }
 
     /// A point between the cores' nearest ones, on the surface of the first form.
