@@ -17,7 +17,7 @@ use super::{
     PlacedConvex, balls, boxes,
     cast::{self, Approach},
     frame::Pair,
-    gjk, order, portal, rods, separation,
+    gjk, order, overlapping, portal, rods,
     simplex::Simplex,
     slide::{self, Slide},
     turning,
@@ -151,7 +151,8 @@ impl<'a> Search<'a> {
         }
         loop {
             self.go_to(time);
-            let gap = gjk::gap_warm(&self.pair, &mut seed, self.budget, |_, upper| upper <= self.pair.radius());
+            let rest = self.budget.saturating_sub(self.iterations).max(1);
+            let gap = gjk::gap_warm(&self.pair, &mut seed, rest, |_, upper| upper <= self.pair.radius());
             self.iterations = self.iterations.saturating_add(gap.iterations);
             if gap.lower > 0.0 {
                 normal = Some(gap.normal);
@@ -222,7 +223,7 @@ impl<'a> Search<'a> {
         initial: InitialTouch,
     ) -> Option<Touch> {
         let [a, b] = self.placed;
-        let rest = separation::signed(&Pair::new(a, b, 0.0), self.budget).or_exactly(a, b);
+        let rest = overlapping::at_rest(a, b, self.budget);
         self.iterations = self.iterations.saturating_add(rest.iterations);
         if rest.verdict != Verdict::Miss && initial == InitialTouch::IsIgnored {
             return None;
@@ -242,7 +243,8 @@ impl<'a> Search<'a> {
         Some(Touch { is_initial: rest.verdict == Verdict::Undecided, ..touch })
     }
 
-    /// From a gap within rounding at `time`: seeks an instant of proved overlap at doubling steps beyond it.
+    /// From a gap within rounding at `time`: seeks an instant of proved overlap at growing steps beyond it, for which the budget
+    /// is there once more.
     fn prove_touch(&mut self, time: f64, gap: &gjk::Gap, normal: Option<DVec3>, stop: Stop) -> Touch {
         let closing = normal.map_or(0.0, |normal| -normal.dot(self.way));
         let mut ahead = if closing > 0.0 { 6.0 * PAIR_ROUNDING / closing } else { PAIR_ROUNDING };
@@ -250,11 +252,19 @@ impl<'a> Search<'a> {
         if closing > 0.0 && time + ahead <= 1.0 && self.is_held_by(&gap.simplex, ahead) {
             proved = Some(time + ahead);
         }
+        let (mut stop, mut rest) = (stop, self.budget);
         while proved.is_none() {
             let instant = (time + ahead).min(1.0);
-            if self.is_overlap_at(instant) {
+            self.go_to(instant);
+            let overlap = overlapping::prove(&self.pair, 0.0, rest);
+            self.iterations = self.iterations.saturating_add(overlap.iterations);
+            rest = rest.saturating_sub(overlap.iterations);
+            if overlap.verdict == Verdict::Hit {
                 proved = Some(instant);
             } else if instant >= 1.0 {
+                break;
+            } else if rest == 0 {
+                stop = Stop::Budget;
                 break;
             }
             ahead *= 4.0;
@@ -299,12 +309,5 @@ impl<'a> Search<'a> {
         let apart = (on_a - on_b).norm();
         let share = if apart > 0.0 { (self.pair.a.radius / apart).min(1.0) } else { 0.0 };
         on_a + (on_b - on_a) * share
-    }
-
-    fn is_overlap_at(&mut self, time: f64) -> bool {
-        self.go_to(time);
-        let signed = separation::signed(&self.pair, self.budget);
-        self.iterations = self.iterations.saturating_add(signed.iterations);
-        signed.verdict == Verdict::Hit
     }
 }

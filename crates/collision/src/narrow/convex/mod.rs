@@ -25,6 +25,7 @@ mod inscribed;
 mod manifold;
 mod motion;
 mod order;
+mod overlapping;
 mod portal;
 mod revolved;
 mod rods;

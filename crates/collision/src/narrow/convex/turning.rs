@@ -12,10 +12,9 @@ use glam::DVec3;
 
 use super::{
     PlacedConvex, depth,
-    frame::Pair,
     gjk::{self, Gap},
     motion::Course,
-    portal, separation,
+    overlapping, portal,
     warm::Seed,
 };
 use crate::{
@@ -113,9 +112,9 @@ impl Gaps for Search<'_> {
         if look.is_overlap || look.instant.free > 0.0 {
             return look;
         }
-        let signed = separation::signed(&self.course.pair, self.remaining().max(1));
-        self.spend(signed.iterations);
-        Look { is_overlap: signed.upper + self.course.rounding <= 0.0, ..look }
+        let overlap = overlapping::prove(&self.course.pair, self.course.rounding, self.remaining().max(1));
+        self.spend(overlap.iterations);
+        Look { is_overlap: overlap.verdict == Verdict::Hit, ..look }
     }
 
     fn depth(&mut self) -> f64 {
@@ -128,7 +127,7 @@ impl Gaps for Search<'_> {
     /// In the frame of the pair at rest, which is finer than that of a long way.
     fn at_rest(&mut self) -> Verdict {
         let [a, b] = self.placed;
-        let rest = separation::signed(&Pair::new(a, b, 0.0), self.remaining()).or_exactly(a, b);
+        let rest = overlapping::at_rest(a, b, self.remaining().max(1));
         self.spend(rest.iterations);
         rest.verdict
     }
