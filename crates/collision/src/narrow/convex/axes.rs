@@ -57,13 +57,6 @@ pub(super) fn proved_depth(highest: f64) -> f64 {
     if depth > 0.0 { depth } else { f64::NEG_INFINITY }
 }
 
-impl Depth {
-    /// The corners that lie farthest along the normal, by number.
-    pub(super) fn corners(&self, pair: &Pair<'_>) -> [u32; 2] {
-        [pair.a.support(-self.normal).index, pair.b.support(self.normal).index]
-    }
-}
-
 /// An edge in the pair's frame.
 struct Edge {
     ends: [Corner; 2],

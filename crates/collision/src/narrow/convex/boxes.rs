@@ -56,12 +56,22 @@ struct Best {
 /// not so, or if one of the two is no box.
 pub(super) fn gap(pair: &Pair<'_>) -> Option<Gap> {
     let boxes = Boxes::of(pair)?;
-    let depth = boxes.measure(pair, f64::INFINITY);
+    let mut best = Best::NONE;
+    boxes.faces(&mut best);
+    if best.separation > PAIR_ROUNDING
+        && let Some(gap) = boxes.corner_gap(pair, &best)
+    {
+        return Some(gap);
+    }
+    boxes.edges(&mut best, f64::INFINITY);
+    let depth = best.depth(pair);
+    let corners = boxes.corners(pair, depth.normal);
+    let touching = boxes.nearest(corners, depth.edges);
     let (lower, inside, (on_a, on_b)) = if depth.lower > PAIR_ROUNDING {
-        let common = boxes.common_point()?;
+        let common = boxes.common_point(touching.map_or(boxes.position, |(on_a, on_b)| on_a + on_b) * 0.5)?;
         (0.0, depth.lower, (common, common))
     } else {
-        (-depth.upper, 0.0, boxes.nearest(pair, depth.normal, depth.edges)?)
+        (-depth.upper, 0.0, touching?)
     };
     let apart = on_a - on_b;
     let length = apart.norm();
@@ -71,7 +81,7 @@ pub(super) fn gap(pair: &Pair<'_>) -> Option<Gap> {
         upper: length + PAIR_ROUNDING,
         length,
         normal: if inside > 0.0 { DVec3::ZERO } else { depth.normal },
-        simplex: Simplex::of(Vertex { point: apart, on_a, corners: depth.corners(pair) }),
+        simplex: Simplex::of(Vertex { point: apart, on_a, corners: corners.map(|corner| corner.index) }),
         inside,
         iterations: depth.iterations,
         method: Method::SeparatingAxes,
@@ -95,26 +105,63 @@ impl Boxes {
     }
 
     fn measure(&self, pair: &Pair<'_>, enough: f64) -> Depth {
-        let lowest = f64::NEG_INFINITY;
-        let mut best = Best { separation: lowest, highest: lowest, normal: DVec3::X, edges: None, tested: 0 };
+        let mut best = Best::NONE;
         self.faces(&mut best);
         if best.separation <= enough {
             self.edges(&mut best, enough);
         }
-        Depth {
-            best: -best.separation,
-            lower: proved_depth(best.highest),
-            upper: -best.separation + PAIR_ROUNDING,
-            normal: best.normal,
-            edges: best.edges.map(|edges| edge_ends(pair, edges, best.normal)),
-            iterations: best.tested,
-            stop: Stop::Converged,
-        }
+        best.depth(pair)
     }
 
-    /// Points of the two that are as far apart as an axis says, if they are over each other: a corner and its foot on a
-    /// face, or the crossing of two edges.
-    fn nearest(&self, pair: &Pair<'_>, normal: DVec3, edges: Option<[[Corner; 2]; 2]>) -> Option<(DVec3, DVec3)> {
+    /// The gap of boxes that a face parts, where a corner of one is what is nearest: the corner and its foot on the other box,
+    /// and the plane across the way between them. `None` if that plane does not prove them the nearest.
+    fn corner_gap(&self, pair: &Pair<'_>, best: &Best) -> Option<Gap> {
+        let [corner_a, corner_b] = self.corners(pair, best.normal);
+        let foot_on_a = |point: DVec3| point.clamp(-self.half_a, self.half_a);
+        // There and back twice: once if the corner is that of `b`, and again if it is one of `a`.
+        let on_b = self.foot_on_b(foot_on_a(corner_b.point));
+        let on_a = foot_on_a(on_b);
+        let apart = on_a - self.foot_on_b(on_a);
+        let length = apart.norm();
+        let normal = apart.try_unit()?;
+        let on_b = DVec3::new(self.turn.x_axis.dot(normal), self.turn.y_axis.dot(normal), self.turn.z_axis.dot(normal));
+        let plane = -normal.dot(self.position) - normal.abs().dot(self.half_a) - on_b.abs().dot(self.half_b);
+        let lower = plane - PAIR_ROUNDING;
+        let is_exact = lower > PAIR_ROUNDING && length - lower <= 3.0 * PAIR_ROUNDING;
+        is_exact.then(|| Gap {
+            lower,
+            upper: length + PAIR_ROUNDING,
+            length,
+            normal,
+            simplex: Simplex::of(Vertex { point: apart, on_a, corners: [corner_a.index, corner_b.index] }),
+            inside: 0.0,
+            iterations: best.tested + 1,
+            method: Method::SeparatingAxes,
+            stop: Stop::Converged,
+        })
+    }
+
+    /// The corner of each box that lies farthest towards the other along a unit vector from `b` to `a`: as
+    /// [`Body::support`] finds them, for boxes only and so in a third of the time.
+    fn corners(&self, pair: &Pair<'_>, normal: DVec3) -> [Corner; 2] {
+        let on_b = self.turn.transpose() * normal;
+        let [low, high] = [far_corner(self.half_a, -normal), far_corner(self.half_b, on_b)];
+        let name = |body: &Body<'_>, direction: DVec3| corner_name(body.core, direction);
+        [
+            Corner { point: low, index: name(&pair.a, -normal) },
+            Corner { point: self.turn * high + self.position, index: name(&pair.b, on_b) },
+        ]
+    }
+
+    /// The point of the second box that is nearest to a point.
+    fn foot_on_b(&self, point: DVec3) -> DVec3 {
+        let local = self.turn.transpose() * (point - self.position);
+        self.turn * local.clamp(-self.half_b, self.half_b) + self.position
+    }
+
+    /// Points of the two that are as far apart as an axis says, if they are over each other: one of the corners that lie
+    /// farthest along it and its foot on a face, or the crossing of two edges.
+    fn nearest(&self, [on_a, on_b]: [Corner; 2], edges: Option<[[Corner; 2]; 2]>) -> Option<(DVec3, DVec3)> {
         if let Some([[p, q], [r, s]]) = edges {
             let (u, v, w) = (q.point - p.point, s.point - r.point, p.point - r.point);
             let across = u.cross(v);
@@ -123,21 +170,19 @@ impl Boxes {
             let is_within = (0.0..=1.0).contains(&on_p) && (0.0..=1.0).contains(&on_r);
             return is_within.then(|| (p.point + u * on_p, r.point + v * on_r));
         }
-        Some(self.feet((pair.a.support(-normal).point, pair.b.support(normal).point)))
+        Some(self.feet((on_a.point, on_b.point)))
     }
 
     /// Of a corner of each box, that one with its foot on the other box which is nearer to it.
     fn feet(&self, (on_a, on_b): (DVec3, DVec3)) -> (DVec3, DVec3) {
-        let local = self.turn.transpose() * (on_a - self.position);
         let by_a = (on_b.clamp(-self.half_a, self.half_a), on_b);
-        let by_b = (on_a, self.turn * local.clamp(-self.half_b, self.half_b) + self.position);
+        let by_b = (on_a, self.foot_on_b(on_a));
         let length_sq = |(on_a, on_b): (DVec3, DVec3)| (on_a - on_b).length_squared();
         if length_sq(by_a) <= length_sq(by_b) { by_a } else { by_b }
     }
 
-    /// A point of both boxes, sought by going from one to the nearest of the other; `None` if that takes long.
-    fn common_point(&self) -> Option<DVec3> {
-        let mut point = self.position * 0.5;
+    /// A point of both boxes, sought from `point` by going from one to the nearest of the other; `None` if that takes long.
+    fn common_point(&self, mut point: DVec3) -> Option<DVec3> {
         for _ in 0..COMMON_ROUNDS {
             let in_a = point.clamp(-self.half_a, self.half_a);
             let local = self.turn.transpose() * (in_a - self.position);
@@ -167,20 +212,23 @@ impl Boxes {
     fn edges(&self, best: &mut Best, enough: f64) {
         let (half_a, half_b, p) = (self.half_a, self.half_b, self.position);
         let columns = [self.turn.x_axis, self.turn.y_axis, self.turn.z_axis];
-        for (on_b, along) in columns.iter().enumerate() {
+        for (on_b, &along) in columns.iter().enumerate() {
             let (next, last) = (columns[(on_b + 1) % 3], columns[(on_b + 2) % 3]);
             let (half_next, half_last) = (half_b[(on_b + 1) % 3], half_b[(on_b + 2) % 3]);
-            let across = *along;
             // The product with x, y and z, and how far the boxes reach along it, all times its length.
             let reach_b = last.abs() * half_next + next.abs() * half_last;
             let axes = [
-                (0, DVec3::new(0.0, -across.z, across.y)),
-                (1, DVec3::new(across.z, 0.0, -across.x)),
-                (2, DVec3::new(-across.y, across.x, 0.0)),
+                (0, DVec3::new(0.0, -along.z, along.y)),
+                (1, DVec3::new(along.z, 0.0, -along.x)),
+                (2, DVec3::new(-along.y, along.x, 0.0)),
             ];
             for (on_a, axis) in axes {
-                let length = axis.norm();
                 let quick = axis.dot(p).abs() - axis.abs().dot(half_a) - reach_b[on_a];
+                // No product is longer than 1, so that most lose without a root.
+                if quick + 2.0 * PAIR_ROUNDING < best.separation.min(0.0) {
+                    continue;
+                }
+                let length = axis.norm();
                 // Edges parallel to within what has a square span no axis.
                 if quick + 2.0 * PAIR_ROUNDING < best.separation * length || length * length < SQUARE_MIN {
                     continue;
@@ -208,6 +256,21 @@ impl Boxes {
 }
 
 impl Best {
+    const NONE: Self =
+        Self { separation: f64::NEG_INFINITY, highest: f64::NEG_INFINITY, normal: DVec3::X, edges: None, tested: 0 };
+
+    fn depth(&self, pair: &Pair<'_>) -> Depth {
+        Depth {
+            best: -self.separation,
+            lower: proved_depth(self.highest),
+            upper: -self.separation + PAIR_ROUNDING,
+            normal: self.normal,
+            edges: self.edges.map(|edges| edge_ends(pair, edges, self.normal)),
+            iterations: self.tested,
+            stop: Stop::Converged,
+        }
+    }
+
     fn offer_face(&mut self, separation: f64, normal: DVec3, apart: f64) {
         self.tested += 1;
         self.highest = self.highest.max(separation);
@@ -225,6 +288,21 @@ pub(super) fn half_extents(body: &Body<'_>) -> Option<DVec3> {
         Core::Segment { half_height } => Some(DVec3::new(0.0, half_height * body.scale, 0.0)),
         Core::Point => Some(DVec3::ZERO),
         Core::Hull(_) | Core::Triangle(_) | Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => None,
+    }
+}
+
+fn far_corner(half: DVec3, local: DVec3) -> DVec3 {
+    let side = |half: f64, along: f64| if along > 0.0 { half } else { -half };
+    DVec3::new(side(half.x, local.x), side(half.y, local.y), side(half.z, local.z))
+}
+
+/// The number of that corner.
+fn corner_name(core: &Core, local: DVec3) -> u32 {
+    let [x, y, z] = [local.x, local.y, local.z].map(|along| u32::from(along > 0.0));
+    match core {
+        Core::Cuboid { .. } => x | y << 1 | z << 2,
+        Core::Segment { .. } => y,
+        _ => 0,
     }
 }
 
@@ -246,6 +324,7 @@ fn edge_corners(body: &Body<'_>, axis: usize, direction: DVec3) -> [Corner; 2] {
 /// or `None` if they are farther apart than rounding.
 pub(super) fn touching(pair: &Pair<'_>, normal: DVec3, edges: Option<[usize; 2]>) -> Option<(DVec3, DVec3)> {
     let edges = edges.map(|edges| edge_ends(pair, edges, normal));
-    let (on_a, on_b) = Boxes::of(pair)?.nearest(pair, normal, edges)?;
+    let boxes = Boxes::of(pair)?;
+    let (on_a, on_b) = boxes.nearest(boxes.corners(pair, normal), edges)?;
     ((on_a - on_b).norm() <= DEPTH_WIDTH).then_some((on_a, on_b))
 }
