@@ -223,8 +223,8 @@ fn step(gaps: &mut impl Gaps, progress: &mut Progress, time: f64) {
 /// Goes on behind a doubtful time, if that it was.
 fn step_past(gaps: &impl Gaps, progress: &mut Progress, look: Look) {
     let strain = gaps.strain_between(&progress.free.instant, &look.instant);
-    // Written so that NaN is doubtful.
-    if !(strain < 1.0) {
+    let is_free = strain < 1.0;
+    if !is_free {
         let from = progress.doubt.map_or(progress.free, |doubt| doubt.from);
         progress.doubt = Some(Doubt { from, until: look.instant.time });
     }

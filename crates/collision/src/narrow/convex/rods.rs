@@ -53,24 +53,27 @@ pub(super) fn gap(pair: &Pair<'_>) -> Option<Gap> {
     let on_a = on_b.clamp(-half_a, half_a);
     let apart = on_a - on_b;
     let length = apart.norm();
-    let simplex = Simplex::of(Vertex { point: apart, on_a, corners: [rod.region(on_b), end(share)] });
-    let found = Gap {
-        lower: 0.0,
+    let mut proved = (0.0, DVec3::ZERO);
+    if length > PAIR_ROUNDING {
+        let normal = apart / length;
+        let plane = -normal.abs().dot(half_a) - normal.dot(rod.middle) - normal.dot(along).abs() - PAIR_ROUNDING;
+        let is_exact = length - plane <= 3.0 * PAIR_ROUNDING;
+        if !is_exact {
+            return None;
+        }
+        proved = (plane.max(0.0), normal);
+    }
+    Some(Gap {
+        lower: proved.0,
         upper: length + PAIR_ROUNDING,
         length,
-        normal: DVec3::ZERO,
-        simplex,
+        normal: proved.1,
+        simplex: Simplex::of(Vertex { point: apart, on_a, corners: [rod.region(on_b), end(share)] }),
         inside: 0.0,
         iterations: 1,
         method: Method::ClosedForm,
         stop: Stop::Converged,
-    };
-    if length <= PAIR_ROUNDING {
-        return Some(found);
-    }
-    let normal = apart / length;
-    let plane = -normal.abs().dot(half_a) - normal.dot(rod.middle) - normal.dot(along).abs() - PAIR_ROUNDING;
-    (length - plane <= 3.0 * PAIR_ROUNDING).then_some(Gap { lower: plane.max(0.0), normal, ..found })
+    })
 }
 
 /// A segment beside a box about the origin.
