@@ -71,7 +71,8 @@ pub(super) struct Seed {
 }
 
 impl Seed {
-    const NOTHING: Self = Self { corners: [[0; 2]; 4], count: 0, normal: DVec3::ZERO };
+    /// Where nothing is known.
+    pub(super) const NOTHING: Self = Self { corners: [[0; 2]; 4], count: 0, normal: DVec3::ZERO };
 
     /// What a search ended with.
     pub(super) fn of(gap: &Gap) -> Self {
