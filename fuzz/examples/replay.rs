@@ -23,7 +23,8 @@ fn main() {
         "pairs" => (calipers_fuzz::pairs::check, calipers_fuzz::pairs::describe),
         "hulls" => (calipers_fuzz::hulls::check, calipers_fuzz::hulls::describe),
         "rays" => (calipers_fuzz::rays::check, calipers_fuzz::rays::describe),
-        _ => panic!("name a target: pairs, hulls or rays"),
+        "worlds" => (calipers_fuzz::worlds::check, calipers_fuzz::worlds::describe),
+        _ => panic!("name a target: pairs, hulls, rays or worlds"),
     };
     panic::set_hook(Box::new(|info| {
         let place = info.location().map_or_else(String::new, ToString::to_string);

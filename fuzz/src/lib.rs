@@ -7,6 +7,7 @@ pub mod numbers;
 pub mod pairs;
 pub mod rays;
 pub mod support;
+pub mod worlds;
 
 /// Whether a law is one that the variable KNOWN_BROKEN names, as in `src/rays.rs:131,src/hulls.rs:149`: it is passed over, so
 /// that a search goes on to what is not known yet.

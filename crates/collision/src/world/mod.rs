@@ -2,6 +2,7 @@
 //! readers question without waiting.
 
 mod changed;
+mod check;
 mod describe;
 mod directory;
 mod distance;

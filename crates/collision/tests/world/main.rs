@@ -1,6 +1,7 @@
 //! Laws of worlds: their edits, their versions and the answers to questions.
 
 mod determinism;
+mod edited;
 mod edits;
 mod filters;
 mod half_spaces;
@@ -8,6 +9,7 @@ mod history;
 mod history_bounds;
 mod history_readers;
 mod laziness;
+mod model;
 mod pair_changes;
 mod pairs;
 mod questions;
