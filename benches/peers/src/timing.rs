@@ -21,6 +21,8 @@ pub(crate) struct Times {
     pub(crate) calipers_ns: f64,
     /// parry3d, nanoseconds.
     pub(crate) parry_ns: f64,
+    /// obvhs, nanoseconds, where it does the same.
+    pub(crate) obvhs_ns: Option<f64>,
     /// How many operations each repeat had.
     pub(crate) operations: usize,
 }
@@ -42,7 +44,7 @@ pub(crate) fn compare(
         least_parry = least_parry.min(parry(operations));
     }
     let each_ns = |time: Duration| time.as_secs_f64() * 1e9 / operations as f64;
-    Times { calipers_ns: each_ns(least_calipers), parry_ns: each_ns(least_parry), operations }
+    Times { calipers_ns: each_ns(least_calipers), parry_ns: each_ns(least_parry), obvhs_ns: None, operations }
 }
 
 /// Times work that is one whole on each side, so that it cannot be done in part: `operations` operations each time, fewer
@@ -64,7 +66,15 @@ pub(crate) fn compare_whole(
         spent += time_calipers + time_parry;
     }
     let each_ns = |time: Duration| time.as_secs_f64() * 1e9 / operations as f64;
-    Times { calipers_ns: each_ns(least_calipers), parry_ns: each_ns(least_parry), operations }
+    Times { calipers_ns: each_ns(least_calipers), parry_ns: each_ns(least_parry), obvhs_ns: None, operations }
+}
+
+impl Times {
+    /// With the time of obvhs, which does as many operations as it is told and returns the CPU time that took.
+    pub(crate) fn beside_obvhs(self, mut obvhs: impl FnMut(usize) -> Duration) -> Self {
+        let least = (0..REPEATS).map(|_| obvhs(self.operations)).min().unwrap_or_default();
+        Self { obvhs_ns: Some(least.as_secs_f64() * 1e9 / self.operations as f64), ..self }
+    }
 }
 
 /// CPU time of this thread for some work. What the work returns is dropped when the time is taken.

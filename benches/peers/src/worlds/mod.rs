@@ -1,5 +1,6 @@
 //! Part A: worlds of many shapes. `trees` measures what it costs to keep their boxes, `questions` what answers cost.
 
+mod obvhs;
 mod questions;
 mod rows;
 mod trees;

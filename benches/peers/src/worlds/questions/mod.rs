@@ -7,11 +7,11 @@ use std::iter;
 
 use parry3d::shape::{Ball, Shape};
 
-use super::{rows::Question, workload::Workload};
+use super::{obvhs, rows::Question, workload::Workload};
 use crate::{
     errors::{Errors, Proof},
     forms::{Form, Place, parry_shape, pose, vector},
-    timing::{self, Times},
+    timing::{self, Times, spent},
 };
 
 /// Radius of the balls that are asked what they overlap, metres.
@@ -70,7 +70,23 @@ impl<'w> Worlds<'w> {
             |count| ours::time(ours, &rays, count),
             |count| parry::time(&parry_rays, count, |ray| parry.raycast(ray, length)),
         );
+        let times = self.beside_obvhs(times, parry, &parry_rays, length);
         (times, Errors::between(&proofs, &claims))
+    }
+
+    /// Not after moves: obvhs has no tree that follows them and stays as fast.
+    fn beside_obvhs(&self, times: Times, parry: &parry::World<'_>, rays: &[parry3d::query::Ray], length: f32) -> Times {
+        if !std::ptr::eq(parry, &self.parry_still) {
+            return times;
+        }
+        let tree = obvhs::build(&obvhs::boxes(&self.workload.boxes));
+        let obvhs_rays = obvhs::rays(&self.workload.rays, length);
+        let cast = |(ray, obvhs_ray): (&parry3d::query::Ray, &::obvhs::ray::Ray)| {
+            obvhs::raycast(&tree, obvhs_ray, |shape, limit| parry.raycast_shape(ray, shape, limit))
+        };
+        let differing = rays.iter().zip(&obvhs_rays).filter(|pair| cast(*pair) != parry.raycast(pair.0, length));
+        assert!(differing.count() * 1000 < rays.len(), "obvhs finds what parry3d finds");
+        times.beside_obvhs(|count| spent(rays.iter().zip(&obvhs_rays).take(count), cast))
     }
 
     fn overlap(&self, form: &Form, places: &[Place]) -> (Times, Errors) {

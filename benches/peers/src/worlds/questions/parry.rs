@@ -58,11 +58,14 @@ impl<'s> World<'s> {
 
     /// Multiples of the direction to the closest hit.
     pub(super) fn raycast(&self, ray: &Ray, limit: f32) -> Option<f32> {
-        let hit = self.tree.cast_ray(ray, limit, |leaf, best| {
-            let (shape, pose) = self.at(leaf);
-            shape.cast_ray(pose, ray, best, true)
-        });
+        let hit = self.tree.cast_ray(ray, limit, |leaf, best| self.raycast_shape(ray, leaf, best));
         hit.map(|(_, distance)| distance)
+    }
+
+    /// The same for one shape.
+    pub(super) fn raycast_shape(&self, ray: &Ray, leaf: u32, limit: f32) -> Option<f32> {
+        let (shape, pose) = self.at(leaf);
+        shape.cast_ray(pose, ray, limit, true)
     }
 
     /// The shapes that touch a form, into a list that is used again.

@@ -7,6 +7,7 @@ mod parry;
 use collision::math::Aabb;
 
 use super::{
+    obvhs,
     rows::TreeWork,
     workload::{Bounds, Change, Step, Workload},
 };
@@ -75,6 +76,8 @@ fn bulk(workload: &Workload) -> (Times, Errors) {
         || time_of(|| ours::bulk(&boxes)),
         || time_of(|| parry::Tree::bulk(&parry_boxes)),
     );
+    let obvhs_boxes = obvhs::boxes(&workload.boxes);
+    let times = times.beside_obvhs(|_| time_of(|| obvhs::build(&obvhs_boxes)));
     let ours = degrees(boxes.len(), |see| ours::visit_pairs_of_bulk(&ours::bulk(&boxes), &boxes, see));
     (times, compare(&ours, &degrees(boxes.len(), |see| parry::Tree::bulk(&parry_boxes).visit_pairs(see))))
 }
