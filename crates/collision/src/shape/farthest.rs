@@ -1,17 +1,14 @@
 //! Which of many points lies farthest along a direction, by looking at all of them.
 //!
 //! # Method
-//! Points are kept four at a time as columns, so that two of them fill a register of plain x86-64. A first pass takes
-//! only the greatest height of each of eight lanes, a second seeks the first point that has it: carrying indices along
-//! with heights costs more than computing some heights twice.
+//! Points are kept eight at a time as columns, so that two of them fill a register of plain x86-64. Where there are more than
+//! eight, a first pass finds the block with the greatest height. The block's heights are then kept until the greatest is
+//! known, and the first point that has it is told from a mask: no branch depends on where the farthest point is, which a
+//! processor could not foresee.
 //!
 //! ```text
-//! block 0: x0 x1 x2 x3 | y0 y1 y2 y3 | z0 z1 z2 z3      block 1: x4 ...      last block: filled up with point 0
+//! block 0: x0..x3 | y0..y3 | z0..z3 | x4..x7 | y4..y7 | z4..z7      block 1: x8 ...      filled up with point 0
 //! ```
-//!
-//! Measured against a plain loop over points, random directions, nanoseconds (instructions): 8 points 6.1 for 6.2 where
-//! the plain loop's branches are foreseen and for 12 where not, 32 points 14 for 19 to 29 (406 for 450), 64 points 25 for
-//! 41 to 54, 1,000 points 430 for 690 (10,200 for 13,000).
 //!
 //! # Limits
 //! The winner is that of the plain loop to the last bit: heights are `x·dx + y·dy + z·dz` summed in this order, and of
@@ -19,11 +16,22 @@
 
 use glam::DVec3;
 
-/// Points of a column block.
+/// Points of a column.
 const LANES: usize = 4;
 
 /// Four points by columns.
-type Block = [[f64; LANES]; 3];
+#[derive(Clone, Copy, Debug)]
+struct Four {
+    xs: [f64; LANES],
+    ys: [f64; LANES],
+    zs: [f64; LANES],
+}
+
+/// Eight points.
+type Block = [Four; 2];
+
+/// Points of a block.
+const BLOCK: usize = 2 * LANES;
 
 /// Points, by columns.
 #[derive(Debug)]
@@ -34,17 +42,27 @@ pub(super) struct Columns {
 impl Columns {
     /// The columns of `points`, at least one.
     pub(super) fn new(points: &[DVec3]) -> Self {
-        let block = |four: &[DVec3]| {
-            let lanes: [DVec3; LANES] = std::array::from_fn(|lane| four.get(lane).copied().unwrap_or(points[0]));
-            [lanes.map(|point| point.x), lanes.map(|point| point.y), lanes.map(|point| point.z)]
+        let four = |first: usize| {
+            let lanes: [DVec3; LANES] =
+                std::array::from_fn(|lane| points.get(first + lane).copied().unwrap_or(points[0]));
+            Four { xs: lanes.map(|point| point.x), ys: lanes.map(|point| point.y), zs: lanes.map(|point| point.z) }
         };
-        Self { blocks: points.chunks(LANES).map(block).collect() }
+        Self { blocks: (0..points.len()).step_by(BLOCK).map(|first| [four(first), four(first + LANES)]).collect() }
+    }
+
+    /// A point by its index.
+    #[inline(always)]
+    pub(super) fn point(&self, index: u32) -> DVec3 {
+        let index = index as usize;
+        let (four, lane) = (&self.blocks[index / BLOCK][index / LANES % 2], index % LANES);
+        DVec3::new(four.xs[lane], four.ys[lane], four.zs[lane])
     }
 
     /// The index of the point of greatest `point · direction`; of equal ones the first. 0 if no height is a number.
-    #[inline]
+    #[inline(always)]
     pub(super) fn farthest(&self, direction: DVec3) -> u32 {
-        first_of_height(&self.blocks, direction, greatest(&self.blocks, direction))
+        let number = if self.blocks.len() == 1 { 0 } else { highest_block(&self.blocks, direction) };
+        (number * BLOCK) as u32 + farthest_of(&self.blocks[number], direction)
     }
 
     /// Bytes it holds beside itself.
@@ -53,50 +71,50 @@ impl Columns {
     }
 }
 
-#[inline(always)]
-fn heights(block: &Block, direction: DVec3) -> [f64; LANES] {
-    let [xs, ys, zs] = block;
-    std::array::from_fn(|lane| xs[lane] * direction.x + ys[lane] * direction.y + zs[lane] * direction.z)
+/// Which block has the highest point; of equal ones the first. 0 if no height is a number.
+#[inline(never)]
+fn highest_block(blocks: &[Block], direction: DVec3) -> usize {
+    let mut best = (0, f64::NEG_INFINITY);
+    for (number, block) in blocks.iter().enumerate() {
+        let height = greatest(&heights(block, direction));
+        best = if height > best.1 { (number, height) } else { best };
+    }
+    best.0
 }
 
-/// The greater of each lane; a NaN in `b` is passed over.
+/// The first of a block's points that is highest; 0 if no height is a number. All heights are kept until the greatest is
+/// known, so that the way to its index has no branch that cannot be foreseen.
 #[inline(always)]
-fn greater(a: [f64; LANES], b: [f64; LANES]) -> [f64; LANES] {
-    std::array::from_fn(|lane| if b[lane] > a[lane] { b[lane] } else { a[lane] })
+fn farthest_of(block: &Block, direction: DVec3) -> u32 {
+    let heights = heights(block, direction);
+    let greatest = greatest(&heights);
+    if greatest > f64::NEG_INFINITY {
+        let mut found = 0;
+        for (number, heights) in heights.iter().enumerate() {
+            let [a, b, c, d] = heights.map(|height| u32::from(height == greatest));
+            found |= (a | b << 1 | c << 2 | d << 3) << (LANES * number);
+        }
+        found.trailing_zeros()
+    } else {
+        0
+    }
+}
+
+#[inline(always)]
+fn heights(block: &Block, direction: DVec3) -> [[f64; LANES]; 2] {
+    std::array::from_fn(|number| {
+        let Four { xs, ys, zs } = &block[number];
+        std::array::from_fn(|lane| xs[lane] * direction.x + ys[lane] * direction.y + zs[lane] * direction.z)
+    })
 }
 
 /// The greatest height, −∞ if none is a number.
 #[inline(always)]
-fn greatest(blocks: &[Block], direction: DVec3) -> f64 {
-    let (mut even, mut odd) = ([f64::NEG_INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-    let mut pairs = blocks.chunks_exact(2);
-    for pair in pairs.by_ref() {
-        even = greater(even, heights(&pair[0], direction));
-        odd = greater(odd, heights(&pair[1], direction));
-    }
-    for block in pairs.remainder() {
-        even = greater(even, heights(block, direction));
-    }
-    // Lane by lane: as one more step of whole lanes this became branches.
+fn greatest(heights: &[[f64; LANES]; 2]) -> f64 {
     let greater = |a: f64, b: f64| if b > a { b } else { a };
-    let greatest = |[a, b, c, d]: [f64; LANES]| greater(greater(a, b), greater(c, d));
-    greater(greatest(even), greatest(odd))
-}
-
-/// The first point that has this height; 0 for −∞, which is where no height is a number.
-#[inline(always)]
-fn first_of_height(blocks: &[Block], direction: DVec3, height: f64) -> u32 {
-    if height == f64::NEG_INFINITY {
-        return 0;
-    }
-    for (number, block) in (0..).zip(blocks) {
-        let [a, b, c, d] = heights(block, direction).map(|found| u32::from(found == height));
-        let lanes = a | b << 1 | c << 2 | d << 3;
-        if lanes != 0 {
-            return number * LANES as u32 + lanes.trailing_zeros();
-        }
-    }
-    0
+    let lanes = |a: [f64; LANES], b: [f64; LANES]| std::array::from_fn(|lane| greater(a[lane], b[lane]));
+    let [a, b, c, d] = heights.iter().copied().fold([f64::NEG_INFINITY; LANES], lanes);
+    greater(greater(a, b), greater(c, d))
 }
 
 #[cfg(test)]

@@ -59,6 +59,13 @@ impl Hull {
         &self.vertices
     }
 
+    /// One of them by its number, from the memory that [`Hull::farthest`] looks at.
+    #[must_use]
+    #[inline]
+    pub fn vertex(&self, index: u32) -> DVec3 {
+        self.columns.point(index)
+    }
+
     /// Largest distance of a vertex from the local origin, metres, to within a few roundings.
     #[must_use]
     pub fn reach(&self) -> f64 {
@@ -84,7 +91,7 @@ impl Hull {
     /// The vertex farthest along `direction`, by looking at all: the first of those of greatest `vertex · direction`
     /// (`x·x + y·y + z·z` in this order). `direction` in the local frame, of any length; 0 if it is no number.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn farthest(&self, direction: DVec3) -> u32 {
         self.columns.farthest(direction)
     }
@@ -92,6 +99,7 @@ impl Hull {
     /// The vertex farthest along `direction`, as [`Hull::farthest`] for up to [`Hull::CLIMB_ABOVE`] vertices, beyond that
     /// as [`Hull::climb`] from [`Hull::support_start`].
     #[must_use]
+    #[inline(always)]
     pub fn support(&self, direction: DVec3) -> u32 {
         if self.vertices.len() <= Self::CLIMB_ABOVE {
             self.farthest(direction)

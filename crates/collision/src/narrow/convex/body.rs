@@ -53,17 +53,24 @@ impl<'a> Body<'a> {
 
 impl Body<'_> {
     /// The corner farthest along `direction`; of equal ones the first.
-    #[inline]
+    #[inline(always)]
     pub(super) fn support(&self, direction: DVec3) -> Corner {
-        let local = self.to_local(direction);
+        match self.core {
+            Core::Point => Corner { point: self.position, index: 0 },
+            Core::Hull(hull) => self.corner(hull.support(self.to_local(direction))),
+            _ => self.support_of_other(self.to_local(direction)),
+        }
+    }
+
+    /// The same of cores that a search seldom meets, along a local direction.
+    fn support_of_other(&self, local: DVec3) -> Corner {
         let index = match self.core {
-            Core::Point => return Corner { point: self.position, index: 0 },
             Core::Segment { .. } => u32::from(local.y > 0.0),
             Core::Cuboid { .. } => {
                 u32::from(local.x > 0.0) | u32::from(local.y > 0.0) << 1 | u32::from(local.z > 0.0) << 2
             }
-            Core::Hull(hull) => hull.support(local),
             Core::Triangle(corners) => farthest(corners, local),
+            Core::Point | Core::Hull(_) => 0,
             Core::Cylinder { .. } | Core::Cone { .. } | Core::Ellipsoid { .. } => {
                 return Corner { point: self.out(round_support(self.core, local)), index: Corner::ON_ROUND };
             }
@@ -134,7 +141,7 @@ impl Body<'_> {
                 let side = |bit: u32, half: f64| if index >> bit & 1 == 1 { half } else { -half };
                 DVec3::new(side(0, half_extents.x), side(1, half_extents.y), side(2, half_extents.z))
             }
-            Core::Hull(hull) => hull.vertices()[index as usize],
+            Core::Hull(hull) => hull.vertex(index),
             Core::Triangle(corners) => corners[index as usize],
         }
     }

@@ -158,7 +158,7 @@ impl Best {
 
     fn witnesses(&self) -> (DVec3, DVec3) {
         let Some(vertices) = &self.face else { return (DVec3::ZERO, DVec3::ZERO) };
-        Simplex::nearest_of(vertices).map_or((DVec3::ZERO, DVec3::ZERO), |nearest| nearest.witnesses())
+        Simplex::nearest_of(vertices.iter().copied()).map_or((DVec3::ZERO, DVec3::ZERO), |nearest| nearest.witnesses())
     }
 }
 

@@ -76,14 +76,19 @@ pub(super) fn gap_warm(
     let by_axes = if seed.is_none() { boxes::gap(pair) } else { None };
     let gap = by_axes.unwrap_or_else(|| {
         let known = seed.and_then(|seed| seed.simplex(pair));
-        let started = |simplex| Search { pair, simplex, lower: 0.0, normal: DVec3::ZERO, iterations: 0 };
-        known.map_or_else(|| Search::cold(pair), started).run(budget, is_enough)
+        let mut search = match known {
+            Some(simplex) => Search::from(pair, simplex),
+            None => Search::cold(pair),
+        };
+        let stop = search.run(budget, is_enough);
+        search.end(stop)
     });
     *seed = Some(Seed::of(&gap));
     gap
 }
 
 /// The vertex of `a − b` that lies least far along `direction`.
+#[inline(always)]
 pub(super) fn support(pair: &Pair<'_>, direction: DVec3) -> Vertex {
     Vertex::new(pair.a.support(-direction), pair.b.support(direction))
 }
@@ -99,55 +104,66 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     /// Begins with the vertex across the line of the middles, and what its plane proves.
     fn cold(pair: &'a Pair<'a>) -> Self {
-        let toward_a = (pair.a.center() - pair.b.center()).try_unit().unwrap_or(DVec3::X);
-        let first = support(pair, toward_a);
-        let plane = toward_a.dot(first.point) - PAIR_ROUNDING;
-        let (lower, normal) = if plane > 0.0 { (plane, toward_a) } else { (0.0, DVec3::ZERO) };
-        Self { pair, simplex: Simplex::of(first), lower, normal, iterations: 0 }
+        let apart = pair.a.center() - pair.b.center();
+        let length = apart.norm();
+        let (direction, length) = if length > PAIR_ROUNDING { (apart, length) } else { (DVec3::X, 1.0) };
+        let first = support(pair, direction);
+        let mut search = Self::from(pair, Simplex::of(first));
+        search.raise_lower_to(direction, length, &first);
+        search
     }
 
-    fn run(mut self, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Gap {
+    fn from(pair: &'a Pair<'a>, simplex: Simplex) -> Self {
+        Self { pair, simplex, lower: 0.0, normal: DVec3::ZERO, iterations: 0 }
+    }
+
+    fn run(&mut self, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Stop {
         while self.iterations < budget {
             self.iterations += 1;
             if self.simplex.vertices().len() == 4 {
-                return self.end(Stop::Converged);
+                return Stop::Converged;
             }
             let nearest = self.simplex.point();
             let length = nearest.norm();
             if length <= PAIR_ROUNDING {
-                return self.end(Stop::Converged);
+                return Stop::Converged;
             }
             if is_enough(self.lower, length + PAIR_ROUNDING) {
-                return self.end(Stop::Tolerance);
+                return Stop::Tolerance;
             }
             if length - self.lower <= 2.0 * PAIR_ROUNDING {
-                return self.end(Stop::Converged);
+                return Stop::Converged;
             }
             let vertex = self.raise_lower(nearest, length);
             if is_enough(self.lower, length + PAIR_ROUNDING) {
-                return self.end(Stop::Tolerance);
+                return Stop::Tolerance;
             }
             if length - self.lower <= 2.0 * PAIR_ROUNDING {
-                return self.end(Stop::Converged);
+                return Stop::Converged;
             }
             let is_settled = self.simplex.contains(&vertex) || !self.simplex.advance(&vertex);
             if is_settled && !self.polish(nearest / length, length) {
-                return self.end(Stop::Converged);
+                return Stop::Converged;
             }
         }
-        self.end(Stop::Budget)
+        Stop::Budget
     }
 
     /// Proves what the plane across `direction` of that `length` can prove, and returns its vertex. The support needs no
     /// unit vector, so the processor seeks it while the root and the quotient are still on their way.
     fn raise_lower(&mut self, direction: DVec3, length: f64) -> Vertex {
         let vertex = support(self.pair, direction);
+        self.raise_lower_to(direction, length, &vertex);
+        vertex
+    }
+
+    /// The same with the support vertex along the direction.
+    fn raise_lower_to(&mut self, direction: DVec3, length: f64, vertex: &Vertex) {
         let plane = direction.dot(vertex.point) / length - PAIR_ROUNDING;
         if plane > self.lower {
             self.lower = plane;
             self.normal = direction / length;
         }
-        vertex
     }
 
     /// Raises the lower bound by normals of the features that support the nearest point. Where that point lies within
@@ -175,7 +191,7 @@ impl<'a> Search<'a> {
         is_nearer
     }
 
-    fn end(self, stop: Stop) -> Gap {
+    fn end(&self, stop: Stop) -> Gap {
         let inside = self.simplex.margin().unwrap_or(0.0);
         let length = if inside > 0.0 { 0.0 } else { self.simplex.point().norm() };
         Gap {

@@ -24,6 +24,7 @@ mod impact;
 mod inscribed;
 mod manifold;
 mod motion;
+mod newest;
 mod order;
 mod overlapping;
 mod portal;

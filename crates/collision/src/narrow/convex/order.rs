@@ -42,7 +42,10 @@ fn content(a: &Core, b: &Core) -> Ordering {
     match (a, b) {
         (Core::Cuboid { half_extents: a }, Core::Cuboid { half_extents: b }) => points(&[*a], &[*b]),
         (Core::Segment { half_height: a }, Core::Segment { half_height: b }) => a.total_cmp(b),
-        (Core::Hull(a), Core::Hull(b)) => points(a.vertices(), b.vertices()),
+        // Mostly the reach tells them apart, which is at hand.
+        (Core::Hull(a), Core::Hull(b)) => {
+            a.reach().total_cmp(&b.reach()).then_with(|| points(a.vertices(), b.vertices()))
+        }
         (Core::Triangle(a), Core::Triangle(b)) => points(a, b),
         (Core::Cylinder { half_height: a, radius: r }, Core::Cylinder { half_height: b, radius: s })
         | (Core::Cone { half_height: a, radius: r }, Core::Cone { half_height: b, radius: s }) => {

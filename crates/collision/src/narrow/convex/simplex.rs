@@ -3,7 +3,8 @@
 //! # Method
 //! Signed volumes: barycentric coordinates are the volumes, areas or lengths that the origin spans with the other corners,
 //! as parts of their sum; where the origin lies beyond a face, each face with a wrong sign is tried and the nearest taken. A
-//! simplex without volume tries all its faces. Weights that are off by rounding still make a point of the simplex, and its
+//! simplex without volume tries all its faces. A search, which takes in one vertex at a time, needs only those that hold it
+//! ([`newest`](super::newest)), and all of them where rounding makes that go wrong. Weights that are off by rounding still make a point of the simplex, and its
 //! distance is off by the square of that only.
 //!
 //! ```text
@@ -20,7 +21,7 @@
 
 use glam::DVec3;
 
-use super::body::Corner;
+use super::{body::Corner, newest::newest_part};
 use crate::{
     math::{Norm, exact},
     tolerance::{CROSS_BLUR, SMALL_AREA},
@@ -63,15 +64,13 @@ impl Simplex {
     }
 
     /// The part nearest to the origin of the hull of one to four vertices.
-    pub(super) fn nearest_of(vertices: &[Vertex]) -> Option<Self> {
-        let (&first, rest) = vertices.split_first()?;
-        let mut simplex = Self::of(first);
-        for &vertex in rest.iter().take(3) {
+    pub(super) fn nearest_of(mut vertices: impl Iterator<Item = Vertex>) -> Option<Self> {
+        let mut simplex = Self::of(vertices.next()?);
+        for vertex in vertices.take(3) {
             simplex.vertices[simplex.part.count] = vertex;
             simplex.part.count += 1;
         }
-        simplex.take(nearest_part(&simplex.points(), simplex.part.count));
-        Some(simplex)
+        Some(simplex.nearest())
     }
 
     pub(super) fn vertices(&self) -> &[Vertex] {
@@ -110,15 +109,18 @@ impl Simplex {
         if count == 4 {
             return false;
         }
-        let mut points = self.points();
-        points[count] = vertex.point;
-        let part = nearest_part(&points, count + 1);
-        let is_nearer = part.point.length_squared() < self.part.point.length_squared();
-        if is_nearer {
-            self.vertices[count] = *vertex;
+        self.vertices[count] = *vertex;
+        let points = self.points();
+        let far = self.part.point.length_squared();
+        let is_nearer = |part: &Part| part.point.length_squared() < far;
+        let part = newest_part(&points, count).filter(is_nearer).or_else(|| {
+            let part = nearest_part(&points, count + 1);
+            is_nearer(&part).then_some(part)
+        });
+        part.is_some_and(|part| {
             self.take(part);
-        }
-        is_nearer
+            true
+        })
     }
 
     /// These vertices, at most three, and `vertex`. The point is not sought anew.
@@ -197,15 +199,15 @@ pub(super) fn margin([a, b, c, d]: &[DVec3; 4]) -> Option<f64> {
 
 /// Members of a simplex, in rising order, with weights that sum to 1, and the point they make.
 #[derive(Clone, Copy, Debug)]
-struct Part {
-    members: [usize; 4],
-    weights: [f64; 4],
-    count: usize,
-    point: DVec3,
+pub(super) struct Part {
+    pub(super) members: [usize; 4],
+    pub(super) weights: [f64; 4],
+    pub(super) count: usize,
+    pub(super) point: DVec3,
 }
 
 impl Part {
-    fn one(p: &[DVec3; 4], i: usize) -> Self {
+    pub(super) fn one(p: &[DVec3; 4], i: usize) -> Self {
         Self { members: [i, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0], count: 1, point: p[i] }
     }
 

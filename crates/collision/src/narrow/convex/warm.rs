@@ -29,7 +29,8 @@ pub struct Warm {
     seed: Option<Seed>,
     /// The order of the arguments in which the seed was found.
     is_swapped: bool,
-    contact: Option<(Resting, Option<Contact>)>,
+    /// Apart, so that those who only ask for distances do not carry its memory about.
+    contact: Option<Box<(Resting, Option<Contact>)>>,
 }
 
 /// A question about a contact.
@@ -43,11 +44,14 @@ pub(super) struct Resting {
 impl Warm {
     /// What was found for the very same question; `None` if that was another.
     pub(super) fn contact_at(&self, question: &Resting) -> Option<&Option<Contact>> {
-        self.contact.as_ref().filter(|(asked, _)| asked == question).map(|(_, contact)| contact)
+        self.contact.as_deref().filter(|(asked, _)| asked == question).map(|(_, contact)| contact)
     }
 
     pub(super) fn rest(&mut self, question: Resting, contact: Option<Contact>) {
-        self.contact = Some((question, contact));
+        match &mut self.contact {
+            Some(kept) => **kept = (question, contact),
+            None => self.contact = Some(Box::new((question, contact))),
+        }
     }
 
     /// Where to begin, and where to leave what was found; the arguments' order belongs to it. What is to be asked again is
@@ -101,11 +105,7 @@ impl Seed {
             |body: &Body<'_>, corner: u32| body.corner_count().is_some_and(|count| (corner as usize) < count);
         let known = &self.corners[..self.count.min(4)];
         if !known.is_empty() && known.iter().all(|&[on_a, on_b]| in_range(&pair.a, on_a) && in_range(&pair.b, on_b)) {
-            let mut vertices = [vertex(pair, known[0]); 4];
-            for (slot, &corners) in vertices.iter_mut().zip(known).skip(1) {
-                *slot = vertex(pair, corners);
-            }
-            return Simplex::nearest_of(&vertices[..known.len()]);
+            return Simplex::nearest_of(known.iter().map(|&corners| vertex(pair, corners)));
         }
         (self.normal != DVec3::ZERO).then(|| Simplex::of(gjk::support(pair, self.normal)))
     }
