@@ -48,12 +48,12 @@ impl StaticTree {
 
     fn adopt(&mut self, cell: usize, built: Built) {
         let base = self.forest.nodes.len() as u32;
-        self.forest.cells[cell].root = base;
         self.forest.nodes.reserve_exact(built.nodes.len());
         self.forest.nodes.extend(built.nodes.into_iter().map(|mut node| {
             node.renumber(|index| base + index);
             node
         }));
+        self.forest.set_root(cell, base);
     }
 
     /// How many boxes it was built from.

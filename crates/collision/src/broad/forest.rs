@@ -77,6 +77,8 @@ pub(super) struct Cell {
     pub(super) origin: DVec3,
     /// `NO_NODE` while there are none.
     pub(super) root: u32,
+    /// Holds everything in it; of no account while there is no root.
+    pub(super) bounds: Aabb,
     /// Leaves that belong to it; without any, its place may be used for another cell.
     pub(super) leaf_count: u32,
 }
@@ -116,7 +118,7 @@ impl<N> Forest<N> {
         let unused = self.cells.iter().take(CELLS_MAX - 1).position(|cell| cell.leaf_count == 0);
         let index = unused.unwrap_or(self.cells.len().min(CELLS_MAX - 1));
         if index == self.cells.len() {
-            self.cells.push(Cell { origin: DVec3::ZERO, root: NO_NODE, leaf_count: 0 });
+            self.cells.push(Cell::new(DVec3::ZERO));
         }
         if index < CELLS_MAX - 1 {
             self.cells[index].origin = center;
@@ -140,7 +142,7 @@ impl<N> Forest<N> {
         let centers = boxes.iter().filter(|large| !is_large(large.bounds)).map(|large| large.bounds.center());
         let centers = centers.map(|center| Aabb::new(center, center)).reduce(Aabb::union);
         self.cells.clear();
-        self.cells.extend(centers.map(|centers| Cell { origin: centers.center(), root: NO_NODE, leaf_count: 1 }));
+        self.cells.extend(centers.map(|centers| Cell { leaf_count: 1, ..Cell::new(centers.center()) }));
         let items = self.assign(boxes);
         if let Some(first) = self.cells.first_mut() {
             first.leaf_count -= 1;
@@ -167,9 +169,11 @@ impl<N> Forest<N> {
 }
 
 impl<N: Nodes> Forest<N> {
-    /// The box of everything in a cell; `None` if it is empty.
-    pub(super) fn bounds_of(&self, cell: &Cell) -> Option<Aabb> {
-        (cell.root != NO_NODE).then(|| self.nodes.node(cell.root).bounds().in_world(cell.origin))
+    /// Notes the root of a cell, or that it has changed.
+    pub(super) fn set_root(&mut self, cell: usize, root: u32) {
+        let bounds = self.nodes.node(root).bounds().in_world(self.cells[cell].origin);
+        let cell = &mut self.cells[cell];
+        (cell.root, cell.bounds) = (root, bounds);
     }
 }
 
@@ -178,6 +182,10 @@ fn is_large(bounds: Aabb) -> bool {
 }
 
 impl Cell {
+    fn new(origin: DVec3) -> Self {
+        Self { origin, root: NO_NODE, bounds: Aabb::new(origin, origin), leaf_count: 0 }
+    }
+
     fn reaches(&self, center: DVec3) -> bool {
         (center - self.origin).abs().max_element() <= CELL_REACH
     }

@@ -74,10 +74,7 @@ fn each_between<T: Toll, N: Nodes>(
     toll: &mut T,
     visit: &mut impl FnMut(&mut T, u32, u32) -> Result<(), T::Stop>,
 ) -> Result<(), T::Stop> {
-    let (Some(bounds_a), Some(bounds_b)) = (forest.bounds_of(a), forest.bounds_of(b)) else {
-        return Ok(());
-    };
-    if !bounds_a.intersects(bounds_b) {
+    if a.root == NO_NODE || b.root == NO_NODE || !a.bounds.intersects(b.bounds) {
         return Ok(());
     }
     let mut open = vec![a.root];
@@ -87,7 +84,7 @@ fn each_between<T: Toll, N: Nodes>(
         for lane in node.taken() {
             let bounds = node.lane(lane).in_world(a.origin);
             match node.children[lane].target() {
-                _ if !bounds.intersects(bounds_b) => {}
+                _ if !bounds.intersects(b.bounds) => {}
                 Target::Node(below) => open.push(below),
                 Target::Leaf(leaf) => {
                     each_of_cell(forest, b, bounds, toll, |toll, other| visit(toll, leaf, other))?;

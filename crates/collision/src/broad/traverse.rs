@@ -105,7 +105,7 @@ pub trait Tree {
 impl<R: Rooted> Tree for R {
     fn bounds(&self) -> Option<Aabb> {
         let forest = self.forest();
-        let cells = forest.cells.iter().filter_map(|cell| forest.bounds_of(cell));
+        let cells = forest.cells.iter().filter(|cell| cell.root != NO_NODE).map(|cell| cell.bounds);
         cells.chain(self.listed().map(|large| large.bounds)).reduce(Aabb::union)
     }
 
@@ -147,8 +147,8 @@ impl<R: Rooted> Tree for R {
         }
         let first_limit = limit;
         let begins = |bounds: Aabb| path.entry(&bounds, first_limit);
-        for (cell, bounds) in in_order(forest, begins) {
-            limit = follow(forest, cell, path, (bounds, limit), layers, toll, &mut visit)?;
+        for cell in in_order(forest, begins) {
+            limit = follow(forest, cell, path, limit, layers, toll, &mut visit)?;
         }
         Ok(())
     }
@@ -169,7 +169,7 @@ impl<R: Rooted> Tree for R {
             }
         }
         let begins = |bounds: Aabb| Some(distance_at_least(query, bounds));
-        for (cell, _) in in_order(forest, begins) {
+        for cell in in_order(forest, begins) {
             limit = approach(forest, cell, query, limit, layers, toll, &mut visit)?;
         }
         Ok(())
@@ -192,15 +192,17 @@ pub fn distance_at_least(a: Aabb, b: Aabb) -> f64 {
     if distance_sq > tolerance::SQUARE_MIN { distance_sq.sqrt() * tolerance::SLAB_NARROWING } else { 0.0 }
 }
 
-/// The cells whose boxes have a value, and these boxes, the least value first.
-fn in_order<N: Nodes>(forest: &Forest<N>, value: impl Fn(Aabb) -> Option<f64>) -> impl Iterator<Item = (&Cell, Aabb)> {
-    let valued = |cell| {
-        let bounds = forest.bounds_of(cell)?;
-        Some((value(bounds)?, cell, bounds))
-    };
-    let mut found: SmallVec<[(f64, &Cell, Aabb); 2]> = forest.cells.iter().filter_map(valued).collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found.into_iter().map(|(_, cell, bounds)| (cell, bounds))
+/// The cells that are not empty, those whose boxes have the least value first. A cell without a value may be left out.
+fn in_order<N>(forest: &Forest<N>, value: impl Fn(Aabb) -> Option<f64>) -> impl Iterator<Item = &Cell> {
+    let mut found: SmallVec<[(f64, &Cell); 2]> = SmallVec::new();
+    if let [cell] = forest.cells.as_slice() {
+        found.extend((cell.root != NO_NODE).then_some((0.0, cell)));
+    } else {
+        let taken = forest.cells.iter().filter(|cell| cell.root != NO_NODE);
+        found.extend(taken.filter_map(|cell| Some((value(cell.bounds)?, cell))));
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    found.into_iter().map(|(_, cell)| cell)
 }
 
 /// The loop of a search by a box.
@@ -244,23 +246,23 @@ struct Open {
     child: Child,
 }
 
-/// The loop of a search along a path, in the box of a cell up to a limit; the limit at its end.
+/// The loop of a search along a path; the limit at its end.
 fn follow<T: Toll, N: Nodes>(
     forest: &Forest<N>,
     cell: &Cell,
     path: &Path,
-    (bounds, mut limit): (Aabb, f64),
+    mut limit: f64,
     layers: u32,
     toll: &mut T,
     visit: &mut impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
 ) -> Result<f64, T::Stop> {
-    let Some(path) = LocalPath::new(path, &bounds, cell.origin, limit) else {
+    let Some(path) = LocalPath::new(path, &cell.bounds, cell.origin, limit) else {
         return Ok(limit);
     };
     let mut local_limit = path.limit(limit);
     let mut stack: SmallVec<[Open; 64]> = SmallVec::new();
-    stack.push(Open { begins: 0.0, child: Child::node(cell.root) });
-    while let Some(open) = stack.pop() {
+    let mut next = Some(Open { begins: 0.0, child: Child::node(cell.root) });
+    while let Some(open) = next.take().or_else(|| stack.pop()) {
         if open.begins > local_limit {
             continue;
         }
@@ -269,7 +271,7 @@ fn follow<T: Toll, N: Nodes>(
                 toll.pay()?;
                 let node = forest.nodes.node(index);
                 let (lanes, entries) = path.entering(node, local_limit);
-                push_in_order(&mut stack, node, node.on_layers(lanes, layers), entries);
+                next = push_but_nearest(&mut stack, node, node.on_layers(lanes, layers), entries);
             }
             Target::Leaf(leaf) => {
                 let found = visit(toll, leaf)?;
@@ -284,20 +286,25 @@ fn follow<T: Toll, N: Nodes>(
     Ok(limit)
 }
 
-/// Puts lanes on a stack so that the nearest comes off first.
-fn push_in_order(stack: &mut SmallVec<[Open; 64]>, node: &Node, lanes: Lanes, entries: Vec4) {
-    let base = stack.len();
+/// The lane to go on with, which is the nearest; the others are put on a stack so that the nearer ones come off first.
+fn push_but_nearest(stack: &mut SmallVec<[Open; 64]>, node: &Node, mut lanes: Lanes, entries: Vec4) -> Option<Open> {
     let entries = entries.to_array();
+    let open = |lane: usize| Open { begins: entries[lane], child: node.children[lane] };
+    let mut nearest = open(lanes.next()?);
+    let base = stack.len();
     for lane in lanes {
-        let open = Open { begins: entries[lane], child: node.children[lane] };
-        stack.push(open);
-        let mut at = stack.len() - 1;
-        while at > base && stack[at - 1].begins < open.begins {
-            stack[at] = stack[at - 1];
+        let mut farther = open(lane);
+        if farther.begins < nearest.begins {
+            std::mem::swap(&mut nearest, &mut farther);
+        }
+        let mut at = stack.len();
+        stack.push(farther);
+        while at > base && stack[at - 1].begins < farther.begins {
+            stack.swap(at - 1, at);
             at -= 1;
         }
-        stack[at] = open;
     }
+    Some(nearest)
 }
 
 /// The loop of a search for the nearest; the limit at its end. Distances are squared in it.

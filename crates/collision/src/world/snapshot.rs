@@ -37,8 +37,9 @@ pub enum Mobility {
     Kinematic,
 }
 
-/// A geometry placed in a world.
+/// A geometry placed in a world. Its fields are in this order in memory, those first that most questions read.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Shape {
     /// Its id.
     pub id: ShapeId,

@@ -45,6 +45,10 @@ impl DynamicTree {
                     }
                 }
             }
+            if cell.root != NO_NODE {
+                let bounds = self.forest.nodes[cell.root as usize].bounds().in_world(cell.origin);
+                assert_eq!(cell.bounds, bounds, "box of cell {cell_index}");
+            }
             assert_eq!(in_cell, cell.leaf_count, "leaves of cell {cell_index}");
             leaf_count += in_cell as usize;
         }

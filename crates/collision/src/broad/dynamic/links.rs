@@ -40,7 +40,7 @@ impl DynamicTree {
         if root == NO_NODE {
             let root = self.allocate(ROOT | u32::from(cell));
             self.forest.nodes[root as usize].set(0, item.bounds, leaf, item.layers);
-            self.forest.cells[usize::from(cell)].root = root;
+            self.forest.set_root(cell.into(), root);
             self.note(cell, leaf, lane_number(root, 0));
             return;
         }
@@ -93,7 +93,7 @@ impl DynamicTree {
             }
             (Some(last), None) if matches!(node.children[last].target(), Target::Node(_)) => {
                 if let Target::Node(below) = node.children[last].target() {
-                    self.forest.cells[(parent ^ ROOT) as usize].root = below;
+                    self.forest.set_root((parent ^ ROOT) as usize, below);
                     self.parents[below as usize] = parent;
                 }
                 self.release(index);
@@ -110,6 +110,7 @@ impl DynamicTree {
         loop {
             let parent = self.parents[index as usize];
             if parent >= ROOT {
+                self.forest.set_root((parent ^ ROOT) as usize, index);
                 return;
             }
             let node = &self.forest.nodes[index as usize];
@@ -143,7 +144,7 @@ impl DynamicTree {
             }
         }
         if parent >= ROOT {
-            self.forest.cells[usize::from(cell)].root = numbers[0];
+            self.forest.set_root(cell.into(), numbers[0]);
         } else {
             let root = self.forest.nodes[numbers[0] as usize];
             let (bounds, layers) = (root.bounds(), root.all_layers());
@@ -241,7 +242,7 @@ impl DynamicTree {
 
     /// Makes the boxes above a node hold a leaf that was put into it.
     fn grow_above(&mut self, index: u32, item: Item) {
-        let mut parent = self.parents[index as usize];
+        let (mut index, mut parent) = (index, self.parents[index as usize]);
         while parent < ROOT {
             let (above, lane) = (&self.forest.nodes[parent as usize / LANES], parent as usize % LANES);
             let (bounds, layers) = (above.lane(lane), above.layers[lane]);
@@ -251,8 +252,10 @@ impl DynamicTree {
             let above = &mut self.forest.nodes[parent as usize / LANES];
             above.set_box(lane, bounds.union(item.bounds));
             above.layers[lane] |= item.layers;
-            parent = self.parents[parent as usize / LANES];
+            index = parent / LANES as u32;
+            parent = self.parents[index as usize];
         }
+        self.forest.set_root((parent ^ ROOT) as usize, index);
     }
 
     /// Builds the lowest subtree anew that is too deep for its size, from a node that is too deep upwards.
