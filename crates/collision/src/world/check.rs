@@ -8,7 +8,7 @@ impl Snapshot {
     /// # Panics
     /// If the tree over the moving shapes is not sound, a shape is in no tree or in two, or an id leads to another shape.
     pub fn assert_sound(&self) {
-        let state = &self.state;
+        let state = self.state();
         state.moving.assert_sound();
         assert_eq!(state.moving.len() + state.static_count, state.shapes.len(), "each shape is in one tree");
         let mut moving_count = 0;

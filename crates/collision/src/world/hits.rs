@@ -94,6 +94,12 @@ impl<H: Hit> Best<H> {
         self.worst_first.peek().map_or(f64::NEG_INFINITY, |worst| worst.0.value())
     }
 
+    /// Whether a hit of this value and id would be kept.
+    pub(super) fn has_place(&self, value: f64, id: Option<ShapeId>) -> bool {
+        let worst = self.worst_first.peek().filter(|_| self.worst_first.len() >= self.most);
+        worst.is_none_or(|Ranked(worst)| value.total_cmp(&worst.value()).then_with(|| id.cmp(&worst.id())).is_lt())
+    }
+
     /// The best first.
     pub(super) fn into_sorted(self) -> Vec<H> {
         self.worst_first.into_sorted_vec().into_iter().map(|ranked| ranked.0).collect()

@@ -1,6 +1,10 @@
 //! Which shapes touch the subject?
 
-use super::{Filter, Found, Meter, QuestionError, ShapeId, Snapshot, Subject, hits::verdict, search::Side};
+use super::{
+    Filter, Found, Meter, QuestionError, ShapeId, Snapshot, Subject,
+    hits::{Best, Hit, verdict},
+    search::Side,
+};
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Verdict},
@@ -29,6 +33,21 @@ pub struct OverlapHit {
     pub certificate: Certificate,
 }
 
+/// All are as good: they are in order of their ids.
+impl Hit for OverlapHit {
+    fn value(&self) -> f64 {
+        0.0
+    }
+
+    fn id(&self) -> Option<ShapeId> {
+        self.id
+    }
+
+    fn certificate(&self) -> &Certificate {
+        &self.certificate
+    }
+}
+
 impl Snapshot {
     /// Which shapes touch the subject, or may do so, by id; if there are more than asked for, those of the lowest ids.
     ///
@@ -42,19 +61,18 @@ impl Snapshot {
         meter: &mut Meter<'_>,
     ) -> Result<Found<OverlapHit>, QuestionError> {
         let subject = self.subject(&question.subject)?;
-        let others = self.others_in(subject.bounds, &subject, question.against.as_ref(), filter, meter)?;
-        let mut hits = Vec::new();
-        let mut truncated = false;
-        for other in &others {
-            if let Some(hit) = touch(&subject, other, accuracy, meter)? {
-                // The search was in order of ids: what comes now has a higher one.
-                if hits.len() == question.max_hits {
-                    truncated = true;
-                    break;
-                }
-                hits.push(hit);
+        // One more than asked for says that there are more. What has no place among them is not looked at.
+        let mut lowest = Best::new(question.max_hits.saturating_add(1));
+        let sides = (&subject, question.against.as_ref());
+        self.others_in(subject.bounds, sides, filter, meter, |meter, other| {
+            if lowest.has_place(0.0, other.id()) {
+                touch(&subject, &other, accuracy, meter)?.into_iter().for_each(|hit| lowest.add(hit));
             }
-        }
+            Ok(())
+        })?;
+        let mut hits = lowest.into_sorted();
+        let truncated = hits.len() > question.max_hits;
+        hits.truncate(question.max_hits);
         Ok(Found { verdict: verdict(hits.iter().map(|hit| &hit.certificate)), hits, truncated })
     }
 }

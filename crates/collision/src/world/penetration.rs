@@ -64,7 +64,13 @@ impl Snapshot {
     ) -> Result<Found<Contact>, QuestionError> {
         let subject = self.subject(&question.subject)?;
         let query = outward(subject.bounds, question.max_gap);
-        let others = self.others_in(query, &subject, question.against.as_ref(), filter, meter)?;
+        let mut others: SmallVec<[Side<'_>; 32]> = SmallVec::new();
+        self.others_in(query, (&subject, question.against.as_ref()), filter, meter, |_, other| {
+            others.push(other);
+            Ok(())
+        })?;
+        // So that the error of several is that of the lowest id.
+        others.sort_unstable_by_key(Side::id);
         let mut hits = Vec::new();
         for other in &others {
             meter.look()?;

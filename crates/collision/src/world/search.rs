@@ -2,8 +2,6 @@
 
 use std::ops::ControlFlow;
 
-use smallvec::{SmallVec, smallvec};
-
 use super::{
     Filter, Meter, QuestionError, Shape, ShapeId, Snapshot, Subject,
     filter::Sieve,
@@ -59,9 +57,6 @@ impl<'a> Side<'a> {
     }
 }
 
-/// Sides in order; those that a usual question sees have room here.
-pub(super) type Sides<'a> = SmallVec<[Side<'a>; 64]>;
-
 /// Larger by `margin` on each side, rounded outwards.
 pub(super) fn outward(bounds: Aabb, margin: f64) -> Aabb {
     let inflated = bounds.inflated(margin);
@@ -83,19 +78,19 @@ impl Snapshot {
         against.map(|against| self.side(against)).transpose().map_err(QuestionError::AgainstNotFound)
     }
 
-    /// What it is asked against, by id: that which it names, or what of the world touches `query`.
-    pub(super) fn others_in<'a>(
+    /// Visits what touches `query` of that which a question is asked against: of what it names, or of what the subject sees.
+    pub(super) fn others_in<'a, 'm>(
         &'a self,
         query: Aabb,
-        subject: &Side<'_>,
-        against: Option<&'a Subject>,
+        (subject, against): (&Side<'_>, Option<&'a Subject>),
         filter: &Filter,
-        meter: &mut Meter<'_>,
-    ) -> Result<Sides<'a>, QuestionError> {
+        meter: &mut Meter<'m>,
+        mut visit: impl FnMut(&mut Meter<'m>, Side<'a>) -> Result<(), QuestionError>,
+    ) -> Result<(), QuestionError> {
         match self.against(against)? {
-            Some(other) if other.bounds.intersects(query) => Ok(smallvec![other]),
-            Some(_) => Ok(Sides::new()),
-            None => self.seen_in(query, subject.shape, filter, meter),
+            Some(other) if other.bounds.intersects(query) => visit(meter, other),
+            Some(_) => Ok(()),
+            None => self.seen_in(query, subject.shape, filter, meter, visit),
         }
     }
 
@@ -126,33 +121,34 @@ impl Snapshot {
         }
     }
 
-    /// What an asker sees of what touches `query`, by id.
-    fn seen_in<'a>(
+    /// Visits what an asker sees of what touches `query`.
+    fn seen_in<'a, 'm>(
         &'a self,
         query: Aabb,
         asker: Option<&Shape>,
         filter: &Filter,
-        meter: &mut Meter<'_>,
-    ) -> Result<Sides<'a>, QuestionError> {
+        meter: &mut Meter<'m>,
+        mut visit: impl FnMut(&mut Meter<'m>, Side<'a>) -> Result<(), QuestionError>,
+    ) -> Result<(), QuestionError> {
         let sieve = Sieve::new(filter, asker);
         let layers = sieve.layers_seen();
-        let mut seen = Sides::new();
-        let mut see = |side: Option<Side<'a>>| {
-            seen.extend(side.filter(|side| side.bounds.intersects(query) && sieve.passes(side)));
+        let mut see = |meter: &mut Meter<'m>, side: Option<Side<'a>>| {
+            if let Some(side) = side.filter(|side| side.bounds.intersects(query) && sieve.passes(side)) {
+                visit(meter, side)?;
+            }
             Ok(ControlFlow::Continue(()))
         };
         let trees = self.trees();
         if let Some(fixed) = trees.fixed {
-            fixed.tree.visit_box(query, layers, meter, |_, leaf| see(trees.side_in(fixed.slot(leaf))))?;
+            fixed.tree.visit_box(query, layers, meter, |meter, leaf| see(meter, trees.side_in(fixed.slot(leaf))))?;
         }
         if let Some(moving) = trees.moving {
-            moving.visit_box(query, layers, meter, |_, leaf| see(trees.side_in(Slot(leaf))))?;
+            moving.visit_box(query, layers, meter, |meter, leaf| see(meter, trees.side_in(Slot(leaf))))?;
         }
         if let Some(past) = trees.past {
-            past.tree().visit_box(query, layers, meter, |_, leaf| see(past.side_of(leaf)))?;
+            past.tree().visit_box(query, layers, meter, |meter, leaf| see(meter, past.side_of(leaf)))?;
         }
-        seen.sort_unstable_by_key(Side::id);
-        Ok(seen)
+        Ok(())
     }
 
     /// Visits the shapes that `path` may enter at a `t` of at most `limit`. The visitor returns the new limit.

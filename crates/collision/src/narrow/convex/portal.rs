@@ -53,7 +53,8 @@ pub(super) fn approach(pair: &Pair<'_>, way: DVec3, entry: f64, budget: u32) -> 
     let mut search = Search { pair, way, budget, iterations: 0, time: 0.0, normal: DVec3::ZERO };
     let corners = search.portal(toward_a).and_then(|portal| search.refined(portal));
     let shift = way * search.time.min(1.0);
-    let simplex = corners.and_then(|corners| Simplex::nearest_of(&corners.map(|corner| cast::moved(corner, shift))));
+    let simplex =
+        corners.and_then(|corners| Simplex::nearest_of(corners.into_iter().map(|corner| cast::moved(corner, shift))));
     Approach { time: search.time, normal: search.normal, simplex, iterations: search.iterations }
 }
 
