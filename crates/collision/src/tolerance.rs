@@ -262,3 +262,9 @@ pub const ON_THE_WAY: f64 = 1024.0 * ROUNDING;
 /// quaternions: an eighth of the square of `4·1.1107/2`, rounded up. Smaller loses shapes that turn; larger only visits
 /// more nodes. Pinned by `the_box_of_a_track_holds_it_at_every_moment` in `world/history/track.rs`.
 pub const ARC_HEIGHT: f64 = 0.617;
+
+/// Axes of two round forms that lean from each other by less than this (the sine) are one in a search over directions: points
+/// that go round on the one stay on the other's form to within this part of their reach, a quarter of [`PAIR_ROUNDING`]. Larger: a depth might be claimed that is not there.
+/// Smaller: forms turned alike by different roundings have a circle of equal ways out that cannot be followed. Pinned by
+/// `a_capsule_on_the_axis_of_an_ellipsoid_is_as_deep_as_both_are_wide` in `tests/convex/directions.rs`.
+pub const PARALLEL_LEAN: f64 = 16.0 * ROUNDING;

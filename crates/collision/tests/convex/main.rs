@@ -1,6 +1,7 @@
 //! Convex forms and their kernels: hulls, laws, extremes, contact points, half spaces, closed forms.
 
 mod contact;
+mod directions;
 mod ellipsoid;
 mod extremes;
 mod found;

@@ -74,8 +74,20 @@ struct Outline {
 
 /// Measures the depth of two cores along all axes that can be the least.
 pub(super) fn depth(pair: &Pair<'_>) -> Depth {
+    measured(pair, &outline(&pair.a), &outline(&pair.b))
+}
+
+/// The same, if the cores are polytopes and all axes can be looked at.
+pub(super) fn bounded_depth(pair: &Pair<'_>) -> Option<Depth> {
+    if !pair.a.core.is_polytope() || !pair.b.core.is_polytope() {
+        return None;
+    }
     let (a, b) = (outline(&pair.a), outline(&pair.b));
-    let is_bounded = is_few(pair, &a, &b);
+    is_few(pair, &a, &b).then(|| measured(pair, &a, &b))
+}
+
+fn measured(pair: &Pair<'_>, a: &Outline, b: &Outline) -> Depth {
+    let is_bounded = is_few(pair, a, b);
     let mut best = Best {
         pair,
         separation: f64::NEG_INFINITY,
@@ -85,7 +97,7 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
         tested: 0,
     };
     if is_bounded {
-        all_axes(&mut best, &a, &b);
+        all_axes(&mut best, a, b);
     } else {
         let apart = pair.a.center() - pair.b.center();
         for axis in [DVec3::X, DVec3::Y, DVec3::Z, apart.try_unit().unwrap_or(DVec3::X)] {
@@ -111,10 +123,6 @@ pub(super) fn depth(pair: &Pair<'_>) -> Depth {
 }
 
 /// Whether all axes can be looked at.
-pub(super) fn is_bounded(pair: &Pair<'_>) -> bool {
-    pair.a.core.is_polytope() && pair.b.core.is_polytope() && is_few(pair, &outline(&pair.a), &outline(&pair.b))
-}
-
 fn is_few(pair: &Pair<'_>, a: &Outline, b: &Outline) -> bool {
     let corners = pair.a.corner_count().zip(pair.b.corner_count()).map(|(a, b)| a + b);
     a.edges.len().saturating_mul(b.edges.len()) <= WORK_MAX

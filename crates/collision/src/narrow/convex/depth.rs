@@ -2,9 +2,9 @@
 //!
 //! # Method
 //! The cheapest way that is exact, in this order: boxes by their fifteen axes; while the cores are apart, the radii less the
-//! gap, which GJK proves; where the cores overlap, a formula if there is one, an expanding polytope, and where its answer is wider than rounding, all
-//! separating axes of polytopes and the balls and capsules inside round cores. The upper bound is the width along the
-//! returned normal, a true way out for any normal.
+//! gap, which GJK proves; where the cores overlap, a formula if there is one, the balls and capsules inside round cores and an
+//! expanding polytope; and where that is wider than rounding, all separating axes of polytopes, and of round cores a search
+//! over all directions. The upper bound is the width along the returned normal, a true way out for any normal.
 
 use std::cmp::Ordering;
 
@@ -13,7 +13,7 @@ use glam::DVec3;
 use super::{
     axes,
     body::Corner,
-    boxes, epa, formula,
+    boxes, directions, epa, formula,
     frame::Pair,
     gjk::{self, Gap},
     inscribed,
@@ -25,6 +25,10 @@ use crate::{
     answer::{Method, Stop, Verdict},
     tolerance::{DEPTH_WIDTH, PAIR_ROUNDING},
 };
+
+/// Most vertices of a polytope inside the difference of round cores: where that does not end by then, a search over directions
+/// mostly does.
+const ROUND_ITERATIONS_MAX: u32 = 512;
 
 /// The depth of two rounded cores in the pair's frame, and how they touch.
 pub(super) struct Touch {
@@ -104,7 +108,8 @@ fn touch_from(pair: &Pair<'_>, gap: &Gap, ask: &Ask) -> Option<Touch> {
     touch.lower = touch.lower.max(by_gap).min(touch.upper);
     touch.best = touch.best.clamp(touch.lower, touch.upper);
     touch.iterations = touch.iterations.saturating_add(gap.iterations);
-    if gap.inside <= PAIR_ROUNDING && touch.edges.is_none() {
+    // Cores that only touch do so where GJK ended; of deep ones its simplex may pass through the origin as well.
+    if gap.inside <= PAIR_ROUNDING && touch.edges.is_none() && touch.best - radius <= DEPTH_WIDTH {
         touch.witnesses = Some(gap.witnesses());
     }
     (-touch.upper <= ask.max_gap).then_some(touch)
@@ -126,22 +131,75 @@ pub(super) fn overlapping(pair: &Pair<'_>, gap: &Gap, budget: u32, is_enough: im
     // What the cores are surely deep by.
     let by_form = by_formula.as_ref().map_or(f64::NEG_INFINITY, |found| -found.upper);
     let floor = by_form.max(inscribed::depth_lower(pair) - radius);
-    let grown = epa::depth(pair, &gap.simplex, floor, rest, |lower, upper| is_enough(lower + radius, upper + radius));
+    let turns = if has_round_core(pair) { rest.min(ROUND_ITERATIONS_MAX) } else { rest };
+    let grown = epa::depth(pair, &gap.simplex, floor, turns, |lower, upper| is_enough(lower + radius, upper + radius));
     let touch = match grown {
         Some(grown) if grown.stop != Stop::Converged || grown.upper - grown.lower <= DEPTH_WIDTH => {
             Touch::by_polytope(grown, radius)
         }
-        // All axes of round cores are too many.
-        Some(grown) if !axes::is_bounded(pair) => Touch::by_polytope(grown, radius),
-        Some(grown) => Touch::by_axes(axes::depth(pair), radius).beside(Touch::by_polytope(grown, radius)),
+        Some(grown) => {
+            let grown = Touch::by_polytope(grown, radius);
+            // All axes of round cores are too many.
+            match axes::bounded_depth(pair) {
+                Some(by_axes) => Touch::by_axes(by_axes, radius).beside(grown),
+                None => grown,
+            }
+        }
         None => Touch::by_axes(axes::depth(pair), radius),
     };
+    let touch = narrowed(pair, touch, rest, &is_enough);
     match by_formula.map(|found| Touch::by_formula(&found, radius)) {
         Some(found) if found.upper < touch.upper => {
             Touch { lower: touch.lower, stop: touch.stop, iterations: touch.iterations, ..found }
         }
         _ => touch,
     }
+}
+
+fn has_round_core(pair: &Pair<'_>) -> bool {
+    !pair.a.core.is_polytope() || !pair.b.core.is_polytope()
+}
+
+/// A depth of round cores that is known less well than the arithmetic allows, narrowed by a search over all directions.
+fn narrowed(pair: &Pair<'_>, touch: Touch, budget: u32, is_enough: &impl Fn(f64, f64) -> bool) -> Touch {
+    let radius = pair.radius();
+    let known = touch.upper - PAIR_ROUNDING - radius;
+    let is_narrow = touch.upper - touch.lower <= DEPTH_WIDTH || is_enough(touch.lower, touch.upper);
+    if is_narrow || !has_round_core(pair) || known <= DEPTH_WIDTH || touch.iterations >= budget {
+        return touch;
+    }
+    let up = |best: f64| best + radius + PAIR_ROUNDING;
+    let found = directions::depth(pair, known, budget - touch.iterations, |lower, best| {
+        is_enough(touch.lower.max(lower + radius), up(best))
+    });
+    let (best, upper, normal) = if found.normal == DVec3::ZERO {
+        (touch.best, touch.upper, touch.normal)
+    } else {
+        (found.best + radius, up(found.best), found.normal)
+    };
+    Touch {
+        best,
+        lower: touch.lower.max(found.lower + radius),
+        upper,
+        normal,
+        witnesses: Some(deepest(pair, normal, touch.witnesses)),
+        edges: None,
+        stop: found.stop,
+        iterations: touch.iterations.saturating_add(found.iterations),
+        ..touch
+    }
+}
+
+/// The points that are known, or the farthest ones along the normal, whichever lie less far beside it, each on its form's plane
+/// across the normal.
+fn deepest(pair: &Pair<'_>, normal: DVec3, known: Option<(DVec3, DVec3)>) -> (DVec3, DVec3) {
+    let (a, b) = (pair.a.support(DVec3::ZERO - normal).point, pair.b.support(normal).point);
+    let beside = |(on_a, on_b): (DVec3, DVec3)| {
+        let apart = on_a - on_b;
+        (apart - normal * (a - b).dot(normal)).length_squared()
+    };
+    let (on_a, on_b) = known.filter(|&known| beside(known) <= beside((a, b))).unwrap_or((a, b));
+    (on_a + normal * (a - on_a).dot(normal), on_b + normal * (b - on_b).dot(normal))
 }
 
 impl Touch {

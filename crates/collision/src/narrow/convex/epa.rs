@@ -116,7 +116,8 @@ impl Growth<'_> {
         loop {
             let (nearest, lower) = surface.nearest();
             self.lower = self.lower.max(lower);
-            if self.width() <= 2.0 * PAIR_ROUNDING {
+            // A floor comes with its own rounding, which no surface takes off it.
+            if self.width() <= 2.0 * PAIR_ROUNDING || self.best.width - self.floor <= 4.0 * PAIR_ROUNDING {
                 return Stop::Converged;
             }
             if is_enough(proved(self.lower).max(self.floor), self.best.width + PAIR_ROUNDING) {

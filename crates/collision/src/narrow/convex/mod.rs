@@ -14,6 +14,7 @@ mod boxes;
 mod cast;
 mod contact;
 mod depth;
+mod directions;
 mod ellipsoid;
 mod epa;
 mod facing;
