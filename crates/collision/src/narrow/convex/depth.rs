@@ -135,7 +135,11 @@ pub(super) fn overlapping(pair: &Pair<'_>, gap: &Gap, budget: u32, is_enough: im
     let grown = epa::depth(pair, &gap.simplex, floor, turns, |lower, upper| is_enough(lower + radius, upper + radius));
     let touch = match grown {
         Some(grown) if grown.stop != Stop::Converged || grown.upper - grown.lower <= DEPTH_WIDTH => {
-            Touch::by_polytope(grown, radius)
+            let witnesses = Some(grown.witnesses);
+            let touch = Touch::by_polytope(grown, radius);
+            // The triangle that gave the normal may lie far below the support point there.
+            let is_deep = has_round_core(pair) && touch.best - radius > DEPTH_WIDTH;
+            if is_deep { Touch { witnesses: Some(deepest(pair, touch.normal, witnesses)), ..touch } } else { touch }
         }
         Some(grown) => {
             let grown = Touch::by_polytope(grown, radius);
