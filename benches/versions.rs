@@ -26,7 +26,7 @@ use collision::{
     math::Pose,
     narrow::{Faces, Ray},
     shape::Geometry,
-    world::{Edit, EditRule, Filter, HitMode, Meter, Mobility, Raycast, Shape, Snapshot, Time, World},
+    world::{Edit, EditRule, Filter, HitMode, Meter, Raycast, Shape, Snapshot, Time, World},
 };
 
 type Failure = Box<dyn Error + Send + Sync>;
@@ -111,19 +111,8 @@ fn filled(dice: &mut Dice) -> Result<(World, f64), Failure> {
     let side = (20.0 * volume).cbrt();
     let mut edits = Vec::new();
     for (number, geometry) in (1..).zip(geometries) {
-        edits.push(Edit::Insert(Shape {
-            id: id(number),
-            geometry: Arc::new(geometry),
-            pose: Pose::new(dice.point(side), dice.rotation()),
-            layers: 1,
-            collides_with: u32::MAX,
-            mobility: Mobility::Dynamic,
-            sensor: false,
-            group: 0,
-            user_data: 0,
-            velocity: DVec3::ZERO,
-            angular_velocity: DVec3::ZERO,
-        }));
+        let pose = Pose::new(dice.point(side), dice.rotation());
+        edits.push(Edit::Insert(Shape::new(id(number), Arc::new(geometry), pose)));
     }
     let mut world = World::new(Time(0));
     world.apply(edits, Time(0), EditRule::AllOrNothing)?;

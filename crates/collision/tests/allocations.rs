@@ -56,19 +56,7 @@ fn world() -> Arc<Snapshot> {
 }
 
 fn shape(number: u64, geometry: Arc<Geometry>, pose: Pose) -> Shape {
-    Shape {
-        id: NonZeroU64::new(number).expect("not 0"),
-        geometry,
-        pose,
-        layers: 1,
-        collides_with: u32::MAX,
-        mobility: Mobility::Dynamic,
-        sensor: false,
-        group: 0,
-        user_data: 0,
-        velocity: DVec3::ZERO,
-        angular_velocity: DVec3::ZERO,
-    }
+    Shape::new(NonZeroU64::new(number).expect("not 0"), geometry, pose)
 }
 
 /// A filter with something of everything in it.

@@ -12,7 +12,7 @@ use collision::{
     math::Pose,
     narrow,
     shape::Geometry,
-    world::{self, Edit, EditRule, Filter, Meter, Mobility, Shape, ShapeId, Snapshot, Subject, Time, World},
+    world::{self, Edit, EditRule, Filter, Meter, Shape, ShapeId, Snapshot, Subject, Time, World},
 };
 use glam::DVec3;
 

@@ -10,7 +10,7 @@ use collision::{
     narrow::{Faces, InitialTouch, Ray},
     shape::Geometry,
     world::{
-        Edit, EditRule, Filter, HitMode, Impact, Meter, Mobility, Overlap, OverlapHit, RayHit, Raycast, Shape,
+        Edit, EditRule, Filter, HitMode, Impact, Meter, Overlap, OverlapHit, RayHit, Raycast, Shape,
         Snapshot, Subject, Time, TimeOfImpact, World,
     },
 };
@@ -59,19 +59,8 @@ impl Side {
 }
 
 fn shape(number: u32, form: &Form, place: &Place) -> Shape {
-    Shape {
-        id: id(number),
-        geometry: Arc::new(geometry(form)),
-        pose: pose(place),
-        layers: 1,
-        collides_with: u32::MAX,
-        mobility: Mobility::Dynamic,
-        sensor: false,
-        group: 0,
-        user_data: u64::from(number),
-        velocity: DVec3::ZERO,
-        angular_velocity: DVec3::ZERO,
-    }
+    let shape = Shape::new(id(number), Arc::new(geometry(form)), pose(place));
+    Shape { user_data: u64::from(number), ..shape }
 }
 
 /// Rays of a length in metres.
