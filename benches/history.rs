@@ -212,6 +212,7 @@ fn filled(name: &str, dice: &mut Dice, history_ticks: u32) -> Result<(World, f64
             layers: 1,
             collides_with: u32::MAX,
             mobility: Mobility::Dynamic,
+            bullet: false,
             sensor: false,
             group: 0,
             user_data: 0,

@@ -84,6 +84,7 @@ fn edit(change: &Change, model: &Model, forms: &Forms) -> Edit {
                 layers: 1,
                 collides_with: u32::MAX,
                 mobility: Mobility::Dynamic,
+                bullet: false,
                 sensor: false,
                 group: 0,
                 user_data: actor,

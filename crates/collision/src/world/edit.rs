@@ -5,11 +5,12 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 
 use super::{
-    Means, Settings, Shape, ShapeId, Snapshot, Tick, Time,
+    Means, Settings, Shape, ShapeId, Snapshot, SweepRule, Swept, Tick, Time,
     history::{Bounds, Changes, Kept},
     ledger::Ledger,
     snapshot::Content,
     state::State,
+    tracks::Tracks,
 };
 
 /// One change.
@@ -82,6 +83,8 @@ pub struct EditReport {
     pub changed_count: u64,
     /// What was left out, in order.
     pub faults: Vec<EditFault>,
+    /// What bullets touched on their ways.
+    pub swept: Swept,
 }
 
 /// How a shape came to its new pose.
@@ -97,6 +100,7 @@ pub(super) enum Motion {
 #[derive(Debug)]
 pub struct World {
     newest: Arc<Snapshot>,
+    sweep_rule: SweepRule,
 }
 
 impl World {
@@ -149,7 +153,13 @@ impl World {
                 settings,
                 means,
             }),
+            sweep_rule: SweepRule::default(),
         }
+    }
+
+    /// Which moves are swept from now on; at first those of bullets.
+    pub fn set_sweep_rule(&mut self, rule: SweepRule) {
+        self.sweep_rule = rule;
     }
 
     /// The settings in force.
@@ -195,7 +205,8 @@ impl World {
     /// Applies a batch as one tick. Later edits see earlier ones of the batch. Versions that were handed out stay as
     /// they are. An empty batch makes a tick too.
     ///
-    /// The cost is that of the edits, of copying the pages they touch, and of one reference for each page of 64 shapes.
+    /// The cost is that of the edits, of copying the pages they touch, and of one reference for each page of 64 shapes;
+    /// where bullets travelled, also that of their sweeps.
     ///
     /// # Errors
     /// With [`EditRule::AllOrNothing`], the first fault; with either rule, a `time` before that of the newest version.
@@ -209,9 +220,13 @@ impl World {
         let mut state = self.newest.state().clone();
         let is_kept = self.newest.settings.history_ticks > 0;
         let mut changes = if is_kept { Changes::kept() } else { Changes::unkept() };
+        let mut tracks = Tracks::after(&state, self.sweep_rule);
         let mut changed_count = 0;
         let mut faults = Vec::new();
         for (index, edit) in edits.into_iter().enumerate() {
+            if let Some(tracks) = &mut tracks {
+                tracks.note(&edit, &state);
+            }
             match state.apply(edit, &mut changes) {
                 Ok(count) => changed_count += count,
                 Err(id) => {
@@ -225,8 +240,10 @@ impl World {
         }
         state.moving.settle();
         let tick = self.newest.tick.saturating_add(1);
+        let old = self.newest();
         self.publish(tick, time, state, changes);
-        Ok(EditReport { tick, changed_count, faults })
+        let swept = tracks.map_or_else(Swept::default, |tracks| tracks.sweep(&old, &self.newest));
+        Ok(EditReport { tick, changed_count, faults, swept })
     }
 
     fn publish(&mut self, tick: Tick, time: Time, state: State, changes: Changes) {

@@ -64,7 +64,7 @@ impl Hit for Impact {
 }
 
 /// The way of a box that moves by `displacement` past boxes that move by `against_displacement`, as seen by them.
-fn sweep(bounds: Aabb, displacement: DVec3, against_displacement: DVec3) -> Path {
+pub(super) fn sweep(bounds: Aabb, displacement: DVec3, against_displacement: DVec3) -> Path {
     let origin = bounds.center();
     // The difference of two displacements is rounded; so is the half extent.
     let rounding = (displacement.abs() + against_displacement.abs()) * tolerance::SLAB_SLACK;
@@ -77,7 +77,7 @@ fn sweep(bounds: Aabb, displacement: DVec3, against_displacement: DVec3) -> Path
 
 /// A box that holds a form all the time while it turns where it is: that of the ball about its local origin, less what is
 /// farther from its box at the start than turning takes its points.
-fn turning_bounds(side: &Side<'_>, rotation: DVec3) -> Aabb {
+pub(super) fn turning_bounds(side: &Side<'_>, rotation: DVec3) -> Aabb {
     if rotation == DVec3::ZERO {
         return side.bounds;
     }

@@ -22,6 +22,8 @@ mod settings;
 mod snapshot;
 mod state;
 mod store;
+mod sweeps;
+mod tracks;
 
 pub use describe::{BuiltStructure, Description};
 pub use distance::{Distance, Neighbor};
@@ -37,3 +39,5 @@ pub use question::{Found, HitMode, Meter, QuestionError, Subject};
 pub use raycast::{RayHit, Raycast};
 pub use settings::{Means, Settings};
 pub use snapshot::{Mobility, Shape, ShapeId, Snapshot, Tick, Time};
+pub use sweeps::{BULLET_HITS_MAX, SWEEP_CANDIDATES_MAX, SWEEP_HITS_MAX, SWEEP_STEPS_MAX, SweepHit, Swept};
+pub use tracks::SweepRule;

@@ -53,6 +53,8 @@ pub struct Shape {
     pub collides_with: u32,
     /// How it takes part.
     pub mobility: Mobility,
+    /// Fast: the way of each of its moves is swept, and what it touched on it is reported.
+    pub bullet: bool,
     /// Overlaps are reported, but it blocks nothing.
     pub sensor: bool,
     /// Shapes of the same group are never a pair; 0 is none.
@@ -76,6 +78,7 @@ impl Shape {
             layers: 1,
             collides_with: u32::MAX,
             mobility: Mobility::Dynamic,
+            bullet: false,
             sensor: false,
             group: 0,
             user_data: 0,

@@ -23,6 +23,8 @@ pub(super) struct State {
     /// Over the dynamic and kinematic shapes; leaf numbers are slots.
     pub(super) moving: DynamicTree,
     pub(super) static_count: usize,
+    /// Shapes whose moves are swept.
+    pub(super) bullet_count: usize,
     /// Over the static shapes, built by the first question. Shared by all versions with the same static shapes.
     fixed: Arc<OnceLock<Fixed>>,
     /// What building the tree over the static shapes costs.
@@ -144,6 +146,7 @@ impl State {
     pub(super) fn insert(&mut self, shape: Shape, changes: &mut Changes) {
         self.remove(shape.id, changes);
         let id = shape.id;
+        self.bullet_count += usize::from(shape.bullet);
         let (bounds, layers) = (shape.geometry.bounds(&shape.pose), shape.layers);
         let entry = Entry { shape, bounds };
         let is_static = entry.is_static();
@@ -166,6 +169,7 @@ impl State {
         };
         let entry = self.shapes.entry(slot);
         changes.empties(slot, &entry.shape);
+        self.bullet_count -= usize::from(entry.shape.bullet);
         if entry.is_static() {
             self.static_count -= 1;
             self.forget_fixed();

@@ -1,5 +1,6 @@
 //! Laws of worlds: their edits, their versions and the answers to questions.
 
+mod bullets;
 mod determinism;
 mod edited;
 mod edits;
@@ -17,3 +18,4 @@ mod questions;
 mod random;
 mod readers;
 mod scene;
+mod traffic;

@@ -13,6 +13,7 @@ mod candidates;
 mod keeper;
 mod since;
 
+pub(super) use candidates::want_each_other;
 pub use keeper::PairKeeper;
 pub use since::{PairChanges, Persisted};
 

@@ -160,6 +160,7 @@ impl<'b> Script<'b> {
             layers: 1 << self.below(3),
             collides_with: u32::from(self.byte() % 8) | 1,
             mobility: [Mobility::Static, Mobility::Dynamic, Mobility::Dynamic, Mobility::Kinematic][self.below(4)],
+            bullet: false,
             sensor: self.one_in(6).is_some(),
             group: self.below(4) as u32,
             user_data: u64::from(self.byte()),
