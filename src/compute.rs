@@ -8,6 +8,10 @@ use crate::{
 /// Messages beyond this size are worked on elsewhere: below it, handing over (about 50 µs) would cost more than it saves.
 const HEAVY_BYTES: usize = 64 * 1024;
 
+/// Worlds with more bullets than this are edited elsewhere: to sweep a few costs some microseconds, to sweep a crowd may
+/// take the whole budget of a tick.
+const BULLETS_SWEPT_INLINE: usize = 8;
+
 /// How much work something is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Weight {
@@ -21,6 +25,11 @@ impl Weight {
     /// What a message of this size makes to do.
     pub(crate) fn of_message(bytes: usize) -> Self {
         if bytes > HEAVY_BYTES { Self::Heavy } else { Self::Light }
+    }
+
+    /// The same work on a world with this many bullets.
+    pub(crate) fn with_bullets(self, bullet_count: usize) -> Self {
+        if bullet_count > BULLETS_SWEPT_INLINE { Self::Heavy } else { self }
     }
 }
 

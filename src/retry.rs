@@ -13,6 +13,8 @@ use crate::problem::{Checked, Problem, Reason};
 const KEPT_FOR: Duration = Duration::from_secs(300);
 /// Most answers that are kept; beyond, the oldest go first.
 const MOST: usize = 4096;
+/// Items, such as hits, that all kept answers may hold together; beyond, the oldest go first.
+const MOST_ITEMS: usize = 1 << 18;
 /// Longest request id.
 const ID_BYTES: usize = 128;
 
@@ -43,17 +45,20 @@ impl RetryKey {
 pub(crate) struct RetryCache<A> {
     answers: HashMap<String, Kept<A>>,
     by_age: VecDeque<(Instant, String)>,
+    /// Of all of them.
+    item_count: usize,
 }
 
 #[derive(Debug)]
 struct Kept<A> {
     content: [u8; 32],
     answer: A,
+    item_count: usize,
 }
 
 impl<A> Default for RetryCache<A> {
     fn default() -> Self {
-        Self { answers: HashMap::new(), by_age: VecDeque::new() }
+        Self { answers: HashMap::new(), by_age: VecDeque::new(), item_count: 0 }
     }
 }
 
@@ -75,25 +80,35 @@ impl<A: Clone> RetryCache<A> {
         }
     }
 
-    /// Keeps an answer.
+    /// Keeps an answer of a fixed size.
     pub(crate) fn keep(&mut self, key: Option<RetryKey>, answer: &A, now: Instant) {
+        self.keep_items(key, answer, 0, now);
+    }
+
+    /// Keeps an answer that holds so many items.
+    pub(crate) fn keep_items(&mut self, key: Option<RetryKey>, answer: &A, item_count: usize, now: Instant) {
         let Some(key) = key else { return };
-        if self.by_age.len() >= MOST
-            && let Some((_, id)) = self.by_age.pop_front()
-        {
-            self.answers.remove(&id);
+        while !self.by_age.is_empty() && (self.by_age.len() >= MOST || self.item_count + item_count > MOST_ITEMS) {
+            self.forget_oldest();
         }
+        self.item_count += item_count;
         self.by_age.push_back((now, key.id.clone()));
-        self.answers.insert(key.id, Kept { content: key.content, answer: answer.clone() });
+        self.answers.insert(key.id, Kept { content: key.content, answer: answer.clone(), item_count });
+    }
+
+    fn forget_oldest(&mut self) {
+        if let Some((_, id)) = self.by_age.pop_front()
+            && let Some(kept) = self.answers.remove(&id)
+        {
+            self.item_count -= kept.item_count;
+        }
     }
 
     fn forget_old(&mut self, now: Instant) {
         while let Some((kept_at, _)) = self.by_age.front()
             && now.duration_since(*kept_at) > KEPT_FOR
         {
-            if let Some((_, id)) = self.by_age.pop_front() {
-                self.answers.remove(&id);
-            }
+            self.forget_oldest();
         }
     }
 }
@@ -142,5 +157,10 @@ mod tests {
         };
         assert_eq!(find(&mut cache, "0"), None);
         assert_eq!(find(&mut cache, "1"), Some(1));
+        let large = RetryKey::of("large", &request(1)).unwrap();
+        cache.keep_items(large, &7, MOST_ITEMS, now);
+        assert_eq!((find(&mut cache, "1"), find(&mut cache, "2")), (None, Some(2)));
+        cache.keep_items(RetryKey::of("one more", &request(1)).unwrap(), &8, 1, now);
+        assert_eq!((find(&mut cache, "large"), find(&mut cache, "one more")), (None, Some(8)));
     }
 }

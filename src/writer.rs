@@ -2,10 +2,11 @@
 
 use std::{
     collections::HashMap,
+    sync::Arc,
     time::{Instant, SystemTime, UNIX_EPOCH},
 };
 
-use collision::world::{Edit, EditError, EditReport, EditRule, Means, Settings, Snapshot, Tick, Time, World};
+use collision::world::{Edit, EditError, EditReport, EditRule, Means, Settings, Snapshot, Swept, Tick, Time, World};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
@@ -30,12 +31,14 @@ pub(crate) enum When {
 const BEGINNING: Time = Time(0);
 
 /// What a unary edit did: what a retry of it is answered with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub(crate) struct Committed {
     /// The version in which it is seen.
     pub(crate) tick: Tick,
     /// Shapes inserted, replaced, moved or removed.
     pub(crate) changed_count: u64,
+    /// What bullets touched.
+    pub(crate) swept: Arc<Swept>,
 }
 
 /// A world and what its writer has to remember.

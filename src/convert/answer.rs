@@ -3,7 +3,10 @@
 use collision::{
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
     narrow::ContactPoint,
-    world::{Contact, Found, Impact, Neighbor, OverlapHit, PAIRS_MAX, Pair, QuestionError, RayHit, ShapeId, Tick},
+    world::{
+        Contact, Found, Impact, Neighbor, OverlapHit, PAIRS_MAX, Pair, QuestionError, RayHit, ShapeId, SweepHit, Swept,
+        Tick,
+    },
 };
 use wire::v1 as pb;
 
@@ -85,6 +88,15 @@ pub(crate) fn distance(found: &Found<Neighbor>) -> Checked<pb::DistanceResponse>
         hits: found.hits.iter().map(neighbor).collect::<Checked<_>>()?,
         info: None,
     })
+}
+
+/// What bullets touched in a tick.
+///
+/// # Errors
+/// As [`raycast`].
+pub(crate) fn sweep_hits(swept: &Swept) -> Checked<Vec<pb::SweepHit>> {
+    let hit = |hit: &SweepHit| Ok(pb::SweepHit { bullet_id: hit.bullet.get(), impact: Some(impact(&hit.impact)?) });
+    swept.hits.iter().map(hit).collect()
 }
 
 /// A part of a list of pairs; who sends it adds what was read.

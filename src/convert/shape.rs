@@ -37,11 +37,6 @@ pub(crate) fn like(sent: &pb::Shape, known: &Geometries) -> Checked<Shape> {
         let what = "is absent: a shape needs one, such as {\"sphere\": {\"radius\": 1}}";
         return Err(Problem::at("geometry", Reason::Missing, what));
     };
-    if sent.bullet {
-        let what = "is not served yet: a later version will report what the shape touched between its ticks; leave it \
-                    out, and ask TimeOfImpact before you move the shape";
-        return Err(Problem::at("bullet", Reason::NotYet, what));
-    }
     if sent.time_to_live.is_some() {
         let what = "is not served yet: a later version will remove the shape by itself; leave it out, and remove the \
                     shape with an edit";
@@ -54,6 +49,7 @@ pub(crate) fn like(sent: &pb::Shape, known: &Geometries) -> Checked<Shape> {
         layers: sent.layers.unwrap_or(1),
         collides_with: sent.collides_with.unwrap_or(u32::MAX),
         mobility: mobility(sent.mobility)?,
+        bullet: sent.bullet,
         sensor: sent.sensor,
         group: sent.group,
         user_data: sent.user_data,
@@ -87,7 +83,7 @@ pub(crate) fn shape_out(shape: &Shape) -> pb::Shape {
         layers: Some(shape.layers),
         collides_with: Some(shape.collides_with),
         mobility: mobility.into(),
-        bullet: false,
+        bullet: shape.bullet,
         sensor: shape.sensor,
         user_data: shape.user_data,
         velocity: velocity_out(shape.velocity),

@@ -11,6 +11,7 @@ use super::{Caller, Server};
 use crate::{
     compute::{self, Weight},
     convert::{
+        answer::sweep_hits,
         edit::{Expanded, expand, refused},
         number::{time, unknown_enum},
     },
@@ -38,7 +39,7 @@ pub(super) async fn answer(
         // Before anything is looked at: what the first request named, such as a geometry, may be gone by now.
         let first = session.writer.lock().await.retries.find(retry.as_ref(), Instant::now())?;
         if let Some(first) = first {
-            return Ok(Response::new(response(first)));
+            return Ok(Response::new(response(&first)?));
         }
     }
     let when = when(sent.time.as_ref())?;
@@ -47,6 +48,7 @@ pub(super) async fn answer(
     let expanding = session.clone();
     let batch = compute::run(weight, "reading edits", move || checked(&sent, &expanding)).await?;
     let mut writer = session.writer.clone().lock_owned().await;
+    let weight = weight.with_bullets(session.newest().bullet_count());
     let committed = compute::run(weight, "applying edits", move || {
         if let Some(first) = writer.retries.find(retry.as_ref(), Instant::now())? {
             return Ok(first);
@@ -55,11 +57,13 @@ pub(super) async fn answer(
         let Expanded { edits, places, .. } = batch;
         let applied = session.commit(&mut writer, edits, when, EditRule::AllOrNothing)?;
         let report = applied.map_err(|error| refused(error, &places))?;
-        let committed = Committed { tick: report.tick, changed_count: report.changed_count };
-        writer.retries.keep(retry, &committed, Instant::now());
+        let swept = Arc::new(report.swept);
+        let committed = Committed { tick: report.tick, changed_count: report.changed_count, swept };
+        let hit_count = committed.swept.hits.len();
+        writer.retries.keep_items(retry, &committed, hit_count, Instant::now());
         Ok(committed)
     });
-    Ok(Response::new(response(committed.await?)))
+    Ok(Response::new(response(&committed.await?)?))
 }
 
 /// The time of a tick.
@@ -111,12 +115,12 @@ fn check_expected(expected: Option<u64>, session: &Session) -> Checked<()> {
     }
 }
 
-fn response(committed: Committed) -> pb::EditResponse {
-    pb::EditResponse {
+fn response(committed: &Committed) -> Checked<pb::EditResponse> {
+    Ok(pb::EditResponse {
         tick: committed.tick.get(),
         changed_count: committed.changed_count,
         durability: pb::Durability::Applied.into(),
-        sweep_hits: Vec::new(),
-        sweep_hits_truncated: false,
-    }
+        sweep_hits: sweep_hits(&committed.swept)?,
+        sweep_hits_truncated: committed.swept.truncated,
+    })
 }

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use collision::world::{Edit, EditRule};
+use collision::world::{Edit, EditRule, Swept};
 use prost::Message;
 use tokio::{sync::mpsc, time::timeout};
 use tokio_stream::wrappers::ReceiverStream;
@@ -21,7 +21,10 @@ use super::{
 };
 use crate::{
     compute::{self, Weight},
-    convert::edit::{Expanded, Place, expand, fault, refused},
+    convert::{
+        answer::sweep_hits,
+        edit::{Expanded, Place, expand, fault, refused},
+    },
     gate::{is_too_large, too_large},
     problem::{Checked, Problem, Reason},
     session::Session,
@@ -191,8 +194,13 @@ impl Stream {
         let weight = Weight::of_message(message.encoded_len());
         self.read(message, weight).await?;
         if is_commit {
-            let problems = self.commit(sequence, when, weight).await?;
-            send(answers, self.acknowledgement(problems)).await?;
+            let (problems, swept) = self.commit(sequence, when, weight).await?;
+            let acknowledgement = pb::EditStreamResponse {
+                sweep_hits: sweep_hits(&swept)?,
+                sweep_hits_truncated: swept.truncated,
+                ..self.acknowledgement(problems)
+            };
+            send(answers, acknowledgement).await?;
         }
         Ok(())
     }
@@ -237,8 +245,8 @@ impl Stream {
             .with("limit", PENDING_EDITS))
     }
 
-    /// Makes a tick of what waits; returns what was left out of it.
-    async fn commit(&mut self, sequence: u64, when: When, weight: Weight) -> Checked<Vec<pb::Problem>> {
+    /// Makes a tick of what waits; returns what was left out of it, and what bullets touched in it.
+    async fn commit(&mut self, sequence: u64, when: When, weight: Weight) -> Checked<(Vec<pb::Problem>, Swept)> {
         let mut pending = std::mem::take(&mut self.pending);
         let session = self.session.clone();
         let writer = session.writer.clone().lock_owned().await;
@@ -250,7 +258,8 @@ impl Stream {
             return Err(session.ended_problem());
         }
         let name = self.name.clone();
-        let (acked, problems) = compute::run(weight, "applying edits", move || {
+        let weight = weight.with_bullets(session.newest().bullet_count());
+        let (acked, told) = compute::run(weight, "applying edits", move || {
             let mut writer = writer;
             let when = not_before_the_newest(when, sequence, &writer, &mut pending);
             let edits = std::mem::take(&mut pending.edits);
@@ -264,11 +273,11 @@ impl Stream {
             }
             let acked = Acked { sequence, tick: Some(report.tick) };
             writer.acknowledge(&name, acked);
-            Ok((acked, pending.into_problems()))
+            Ok((acked, (pending.into_problems(), report.swept)))
         })
         .await?;
         self.acked = acked;
-        Ok(problems)
+        Ok(told)
     }
 
     fn acknowledgement(&self, problems: Vec<pb::Problem>) -> pb::EditStreamResponse {

@@ -34,7 +34,6 @@ fn wrong_inserts() -> Vec<(pb::Edit, Refusal)> {
             insert(pb::Shape { mobility: 77, ..good() }),
             ("OUT_OF_LIMITS", "edits[0].insert.mobility", &["is 77", "MOBILITY_STATIC"]),
         ),
-        (insert(pb::Shape { bullet: true, ..good() }), ("NOT_YET", "edits[0].insert.bullet", &["TimeOfImpact"])),
         (
             insert(pb::Shape { time_to_live: Some(prost_types::Duration::default()), ..good() }),
             ("NOT_YET", "edits[0].insert.time_to_live", &["remove the shape with an edit"]),

@@ -16,7 +16,7 @@ enum Expected {
 }
 
 /// In the order of the lines.
-const EXPECTED: [&[Expected]; 9] = [
+const EXPECTED: [&[Expected]; 11] = [
     &[Expected::Text("/tick", "2"), Expected::Text("/changedCount", "1")],
     &[Expected::Text("/verdict", "VERDICT_HIT"), Expected::Number("/hits/0/distance", 4.0)],
     &[Expected::Text("/verdict", "VERDICT_HIT"), Expected::Text("/hits/0/id", "1")],
@@ -25,7 +25,9 @@ const EXPECTED: [&[Expected]; 9] = [
     &[Expected::Text("/verdict", "VERDICT_MISS"), Expected::Number("/info/tickFraction", 0.5)],
     &[Expected::Refusal("Unimplemented")],
     &[Expected::Text("/info/tick", "2")],
-    &[Expected::Text("/tick", "2"), Expected::Text("/shapeCount", "1")],
+    &[Expected::Text("/tick", "3")],
+    &[Expected::Text("/sweepHits/0/impact/id", "1"), Expected::Number("/sweepHits/0/impact/fraction", 0.475)],
+    &[Expected::Text("/tick", "4"), Expected::Text("/shapeCount", "2")],
 ];
 
 /// Call and request of each `g` line.

@@ -4,6 +4,7 @@ mod bad_edits;
 mod bad_geometries;
 mod bad_questions;
 mod batch;
+mod bullets;
 mod by_hand;
 mod edit_stream;
 mod edits;

@@ -89,6 +89,12 @@ impl Builder {
         self
     }
 
+    /// Sweeps the way of each of its moves; what it touched comes with the edit's answer.
+    pub fn bullet(mut self) -> Self {
+        self.shape.bullet = true;
+        self
+    }
+
     /// A number that comes back with every hit.
     pub fn user_data(mut self, user_data: u64) -> Self {
         self.shape.user_data = user_data;

@@ -232,6 +232,7 @@ impl Link {
             let mut report = self.report.lock().unwrap_or_else(PoisonError::into_inner);
             let mut left_out_count = keep_some(&mut report.problems, response.problems);
             left_out_count += keep_some(&mut report.sweep_hits, response.sweep_hits);
+            report.sweep_hits_truncated |= response.sweep_hits_truncated;
             report.left_out_count += left_out_count;
         }
         self.progress.send_modify(|progress| {

@@ -42,6 +42,8 @@ pub struct Report {
     pub problems: Vec<proto::Problem>,
     /// What bullet shapes touched on their way.
     pub sweep_hits: Vec<proto::SweepHit>,
+    /// A bullet touched more than the server lists.
+    pub sweep_hits_truncated: bool,
     /// Entries that found no room here, because the report was not taken for too long.
     pub left_out_count: u64,
 }

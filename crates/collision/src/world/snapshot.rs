@@ -152,6 +152,12 @@ impl Snapshot {
         self.state().shapes.len()
     }
 
+    /// How many of them are bullets.
+    #[must_use]
+    pub fn bullet_count(&self) -> usize {
+        self.state.bullet_count
+    }
+
     /// Whether it holds none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
