@@ -3,6 +3,7 @@
 
 mod changed;
 mod check;
+mod content;
 mod describe;
 mod directory;
 mod distance;
