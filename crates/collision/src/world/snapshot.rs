@@ -155,7 +155,7 @@ impl Snapshot {
     /// How many of them are bullets.
     #[must_use]
     pub fn bullet_count(&self) -> usize {
-        self.state.bullet_count
+        self.state().bullet_count
     }
 
     /// Whether it holds none.

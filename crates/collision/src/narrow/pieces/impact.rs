@@ -45,9 +45,13 @@ pub(in crate::narrow) fn impact(
             let swept = swept(&a, &Mover::convex(&a, b), &ask.of_b());
             along(&a, swept, first.limit, work, |work, triangle| {
                 let piece = a.piece(triangle);
-                first.offer(ask.touch(a.placed(&piece), b, None, work));
+                // Named as if it were of `b`, so that of equal touches the one on the same triangle wins as with swapped roles.
+                first.offer(ask.touch(a.placed(&piece), b, a.face(triangle), work));
                 first.limit
             });
+            let mut merged = first.merged()?;
+            merged.feature_b.face = None;
+            return Some(merged);
         }
         (Side::Surface(a), Side::Surface(b)) => {
             let swept = swept(&a, &Mover::surface(&a, &b), &ask.of_b());
