@@ -30,7 +30,8 @@ pub struct Settings {
     pub max_sessions: usize,
     /// Lease of a session that names none, 1 s to 30 days. Default 1 h.
     pub default_lease: Duration,
-    /// Memory that one session's geometries and world may hold, bytes. Default 4 GiB.
+    /// Memory that one session's geometries and world may hold, bytes. Its history may take an eighth of that on top, and
+    /// what questions to the past had built as much. Default 4 GiB.
     pub session_memory_bytes: u64,
     /// Shapes that one session may hold. Default 1,000,000.
     pub session_shapes: usize,

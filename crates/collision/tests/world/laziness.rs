@@ -123,6 +123,25 @@ fn what_nobody_asks_about_the_past_is_not_built() {
 }
 
 #[test]
+fn the_past_shares_the_tree_of_static_shapes_that_did_not_change() {
+    let mut world = world(16);
+    apply(&mut world, edits(Mobility::Static));
+    apply(
+        &mut world,
+        vec![Edit::Insert(shape(500, random_geometry(&mut Random::new(5), Frame::UNIT), Pose::IDENTITY))],
+    );
+    for _ in 0..10 {
+        apply(&mut world, vec![shift(500)]);
+    }
+    let past = world.newest().at(Moment::Tick(Tick::MIN.saturating_add(2))).expect("it is held");
+    let question = Question::Raycast(Raycast { ray: ray(DVec3::ZERO, DVec3::X), mode: HitMode::All(1000) });
+    let [then, now] = [&past, &world.newest()].map(|version| ask(version, &question, &Filter::default()));
+    assert_ne!(then, now, "shape 500 was on the way");
+    let tree = built(&world).into_iter().find(|built| built.name == "static_tree").expect("it was asked");
+    assert_eq!(tree.build_ns, Some(1000), "one tree serves both");
+}
+
+#[test]
 fn answers_do_not_depend_on_a_set_margin() {
     let mut wide = world(0);
     wide.set(Settings { margin: Some(3.0), ..wide.settings() });
