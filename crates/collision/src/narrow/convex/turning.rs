@@ -81,6 +81,10 @@ impl<'a> Search<'a> {
     /// The overlap at the present time, where it is foretold and the corners that were nearest at the last look prove it: this
     /// spares most searches that would end inside.
     fn overlap_held(&mut self, time: f64) -> Option<Look> {
+        // Of rounded forms a search says so by its first step.
+        if !portal::applies(&self.course.pair) {
+            return None;
+        }
         let last = self.last.filter(|last| last.gap + last.growth * (time - last.instant.time) < 0.0)?;
         let corners = self.seed.as_ref()?.triangle(&self.course.pair)?;
         self.spend(1);

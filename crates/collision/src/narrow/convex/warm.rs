@@ -93,10 +93,10 @@ impl Seed {
         Self { corners, count: vertices.len(), normal }
     }
 
-    /// The three corners that were nearest, where they are at the pair's present pose; `None` if those were not three.
+    /// The three corners of polytopes that were nearest, where they are at the pair's present pose; `None` if those were not
+    /// three.
     pub(super) fn triangle(&self, pair: &Pair<'_>) -> Option<[DVec3; 3]> {
-        let is_known = self.count == 3 && pair.a.core.is_polytope() && pair.b.core.is_polytope();
-        is_known.then(|| [0, 1, 2].map(|i: usize| vertex(pair, self.corners[i]).point))
+        (self.count == 3).then(|| [0, 1, 2].map(|i: usize| vertex(pair, self.corners[i]).point))
     }
 
     /// The simplex to begin with at the pair's present pose; `None` if nothing useful is known.
