@@ -31,7 +31,7 @@ use crate::{
 
 /// A gap is measured to this part of itself: enough to predict by. It gets as exact as the arithmetic by itself as the gap
 /// closes.
-const COARSE: f64 = 1.0 / 64.0;
+const COARSE: f64 = 1.0 / 4.0;
 
 /// A pair on its course and what it cost so far.
 pub(super) struct Search<'a> {
