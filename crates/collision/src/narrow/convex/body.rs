@@ -57,7 +57,10 @@ impl Body<'_> {
     pub(super) fn support(&self, direction: DVec3) -> Corner {
         match self.core {
             Core::Point => Corner { point: self.position, index: 0 },
-            Core::Hull(hull) => self.corner(hull.support(self.to_local(direction))),
+            Core::Hull(hull) => {
+                let index = hull.support(self.to_local(direction));
+                Corner { point: self.out(hull.vertex(index)), index }
+            }
             _ => self.support_of_other(self.to_local(direction)),
         }
     }

@@ -130,3 +130,38 @@ impl Fan<'_> {
         self.nearest_edge::<3>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::narrow::convex::simplex::nearest_part;
+
+    /// What is found is compared with the search of all parts, from simplexes as a search meets them.
+    #[test]
+    fn no_other_part_is_nearer() {
+        let mut state = 1_u64;
+        let mut number = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
+        };
+        let mut point = || DVec3::new(number(), number(), number());
+        let mut found = [[0; 5]; 4];
+        for _ in 0..100_000 {
+            let p = [point(), point(), point(), point()];
+            for newest in 1..4 {
+                let old = nearest_part(&p, newest);
+                if old.count < newest || old.point.dot(p[newest]) >= old.point.length_squared() {
+                    continue;
+                }
+                let Some(part) = newest_part(&p, newest) else { continue };
+                let best = nearest_part(&p, newest + 1);
+                let (length, least) = (part.point.length(), best.point.length());
+                assert!((length - least).abs() < crate::tolerance::PAIR_ROUNDING, "{p:?} {newest}: {length} {least}");
+                assert!(part.members[..part.count].contains(&newest));
+                found[newest][part.count] += 1;
+            }
+        }
+        let [_, [_, a, b, ..], [_, c, d, e, _], [_, f, g, h, i]] = found;
+        assert!([a, b, c, d, e, f, g, h, i].iter().all(|&count| count > 10), "each kind must occur: {found:?}");
+    }
+}

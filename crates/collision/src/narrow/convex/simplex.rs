@@ -3,9 +3,9 @@
 //! # Method
 //! Signed volumes: barycentric coordinates are the volumes, areas or lengths that the origin spans with the other corners,
 //! as parts of their sum; where the origin lies beyond a face, each face with a wrong sign is tried and the nearest taken. A
-//! simplex without volume tries all its faces. A search, which takes in one vertex at a time, needs only those that hold it
-//! ([`newest`](super::newest)), and all of them where rounding makes that go wrong. Weights that are off by rounding still make a point of the simplex, and its
-//! distance is off by the square of that only.
+//! simplex without volume tries all its faces. A search, which takes in one vertex at a time, needs only the parts that hold
+//! it ([`newest`](super::newest)), and all of them only where rounding leaves those open. Weights that are off by rounding
+//! still make a point of the simplex, and its distance is off by the square of that only.
 //!
 //! ```text
 //!        c                 inside all three sides: the foot of the origin on the plane
@@ -216,7 +216,7 @@ impl Part {
     }
 }
 
-fn nearest_part(p: &[DVec3; 4], count: usize) -> Part {
+pub(super) fn nearest_part(p: &[DVec3; 4], count: usize) -> Part {
     match count {
         1 => Part::one(p, 0),
         2 => segment(p, [0, 1]),
