@@ -1,17 +1,17 @@
 //! Where two forms in motion can touch at the earliest: when the balls around them do.
 //!
 //! # Method
-//! Each form lies in the ball about its local origin that reaches as far as it does, however it is turned, so until the balls
-//! touch the forms are apart. That time is the root of a quadratic. Whatever rounding did to it, how near the centres come up to then is
-//! measured along the way itself.
+//! Each form lies in the ball about its local origin that reaches as far as it does, however it is turned, so until the
+//! balls touch the forms are apart. That time is the root of a quadratic. Whatever rounding did to it, how near the
+//! centres come up to then is measured along the way itself.
 
 use glam::DVec3;
 
 use super::frame::Pair;
 use crate::{math::Norm, tolerance::BEND_WIDENING};
 
-/// The time up to which the balls around two forms are free, if the second goes by `-way` from where it is over the time from 0
-/// to 1; `None` if they are so all the time. 0 where `rounding`, which a distance may be off by, leaves that open.
+/// The time up to which the balls around two forms are free, if the second goes by `-way` from where it is over the time
+/// from 0 to 1; `None` if they are so all the time. 0 where `rounding`, which a distance may be off by, leaves that open.
 pub(super) fn entry(pair: &Pair<'_>, way: DVec3, rounding: f64) -> Option<f64> {
     let start = pair.b.position;
     let wider = pair.reach * BEND_WIDENING;

@@ -10,8 +10,8 @@
 //! projected on them (two cubes tilted by 1e-16 lose 0.76 of their depth otherwise).
 //!
 //! # Limits
-//! A positive separation is a lower bound of the distance only: what is nearest may be a corner. Where the points that belong
-//! to the axis are as far apart as it says, it is the distance.
+//! A positive separation is a lower bound of the distance only: what is nearest may be a corner. Where the points that
+//! belong to the axis are as far apart as it says, it is the distance.
 
 use glam::{DMat3, DVec3};
 
@@ -52,8 +52,8 @@ struct Best {
     tested: u32,
 }
 
-/// The gap of two boxes of which a face or an edge pair surely is what is nearest, or that surely overlap; `None` if that is
-/// not so, or if one of the two is no box.
+/// The gap of two boxes of which a face or an edge pair surely is what is nearest, or that surely overlap; `None` if that
+/// is not so, or if one of the two is no box.
 pub(super) fn gap(pair: &Pair<'_>) -> Option<Gap> {
     let boxes = Boxes::of(pair)?;
     let mut best = Best::NONE;
@@ -113,8 +113,8 @@ impl Boxes {
         best.depth(pair)
     }
 
-    /// The gap of boxes that a face parts, where a corner of one is what is nearest: the corner and its foot on the other box,
-    /// and the plane across the way between them. `None` if that plane does not prove them the nearest.
+    /// The gap of boxes that a face parts, where a corner of one is what is nearest: the corner and its foot on the other
+    /// box, and the plane across the way between them. `None` if that plane does not prove them the nearest.
     fn corner_gap(&self, pair: &Pair<'_>, best: &Best) -> Option<Gap> {
         let [corner_a, corner_b] = self.corners(pair, best.normal);
         let foot_on_a = |point: DVec3| point.clamp(-self.half_a, self.half_a);
@@ -320,8 +320,8 @@ fn edge_corners(body: &Body<'_>, axis: usize, direction: DVec3) -> [Corner; 2] {
     [body.corner(index & !(1 << axis)), body.corner(index | 1 << axis)]
 }
 
-/// Where two boxes touch across a unit vector from `b` to `a`, that of a face or of the edges along two axes: points of both,
-/// or `None` if they are farther apart than rounding.
+/// Where two boxes touch across a unit vector from `b` to `a`, that of a face or of the edges along two axes: points of
+/// both, or `None` if they are farther apart than rounding.
 pub(super) fn touching(pair: &Pair<'_>, normal: DVec3, edges: Option<[usize; 2]>) -> Option<(DVec3, DVec3)> {
     let edges = edges.map(|edges| edge_ends(pair, edges, normal));
     let boxes = Boxes::of(pair)?;

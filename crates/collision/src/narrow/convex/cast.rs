@@ -2,8 +2,8 @@
 //!
 //! # Method
 //! A GJK search whose target moves: as soon as a support plane parts the forms, the time goes on to where the moving form
-//! would reach that plane, and the search goes on from the same corners. Every plane on the way is a proof, so the time that
-//! is reached is a lower bound of the first touch whatever made the search end.
+//! would reach that plane, and the search goes on from the same corners. Every plane on the way is a proof, so the time
+//! that is reached is a lower bound of the first touch whatever made the search end.
 //!
 //! ```text
 //!      o------->            the way of the origin relative to the difference
@@ -39,8 +39,8 @@ pub(super) struct Approach {
     pub(super) iterations: u32,
 }
 
-/// Advances along `way`, by which `b` goes backwards over the time from 0 to 1, from where the pair is; up to `entry` that is
-/// known to be free.
+/// Advances along `way`, by which `b` goes backwards over the time from 0 to 1, from where the pair is; up to `entry`
+/// that is known to be free.
 pub(super) fn approach(pair: &Pair<'_>, way: DVec3, entry: f64, budget: u32) -> Approach {
     let radius = pair.radius();
     let toward_a = pair.a.center() - pair.b.center() + way * entry;
@@ -91,8 +91,9 @@ pub(super) fn approach(pair: &Pair<'_>, way: DVec3, entry: f64, budget: u32) -> 
     }
     Approach { simplex: Some(simplex), ..found }
 }
-/// The direction towards the features that are nearest, at the time when they will be as near as `radius`; `None` if that is
-/// the present one or if they pass by. For a corner or an edge it is the normal of the touch, which planes only converge to.
+/// The direction towards the features that are nearest, at the time when they will be as near as `radius`; `None` if that
+/// is the present one or if they pass by. For a corner or an edge it is the normal of the touch, which planes only
+/// converge to.
 fn foreseen(simplex: &Simplex, way: DVec3, radius: f64) -> Option<DVec3> {
     let nearest = simplex.point();
     let across = match simplex.vertices() {

@@ -4,8 +4,12 @@
 //! Conservative advancement: the plane that GJK proves between the cores also says how long the way stays free, so the
 //! pair is moved to where the plane would be reached, and again. The signed distance of convex forms is a convex function
 //! of the time, so for polytopes this ends after finitely many planes and for round forms it converges as Newton's method
-//! does. Once the gap is within rounding, an instant of proved overlap is sought just beyond, at doubling steps: a small
+//! does. Once the gap is within rounding, an instant of proved overlap is sought just beyond, at growing steps: a small
 //! gap proves no touch.
+//!
+//! Most pairs never come to that. The balls around the forms ([`balls`]) miss each other or tell where to begin; boxes
+//! are asked by their axes ([`slide`]), polytopes by the face in the way ([`portal`]), others by a search whose target
+//! moves ([`cast`]), and what was nearest at the end of that proves the overlap a moment later.
 //!
 //! # Source
 //! Mirtich, "Impulse-based dynamic simulation" (1996), section 2.3; van den Bergen, "Ray casting against general convex
@@ -243,8 +247,8 @@ impl<'a> Search<'a> {
         Some(Touch { is_initial: rest.verdict == Verdict::Undecided, ..touch })
     }
 
-    /// From a gap within rounding at `time`: seeks an instant of proved overlap at growing steps beyond it, for which the budget
-    /// is there once more.
+    /// From a gap within rounding at `time`: seeks an instant of proved overlap at growing steps beyond it, for which the
+    /// budget is there once more.
     fn prove_touch(&mut self, time: f64, gap: &gjk::Gap, normal: Option<DVec3>, stop: Stop) -> Touch {
         let closing = normal.map_or(0.0, |normal| -normal.dot(self.way));
         let mut ahead = if closing > 0.0 { 6.0 * PAIR_ROUNDING / closing } else { PAIR_ROUNDING };

@@ -1,10 +1,11 @@
 //! The way of one polytope to another, up to the face of the difference that the way leads through.
 //!
 //! # Method
-//! Seen along the way, the difference is a flat shadow and the origin a point. Three corners of the difference whose shadows
-//! hold that point are a portal: support planes across the way find it, or one of them parts the shadow from the point, and
-//! the way is free. Then the portal is pushed to the support point along its normal, and of the three triangles that this makes
-//! the one is kept that the way leads through, until nothing lies before the portal: it is a part of the face that the way meets.
+//! Seen along the way, the difference is a flat shadow and the origin a point. Three corners of the difference whose
+//! shadows hold that point are a portal: support planes across the way find it, or one of them parts the shadow from the
+//! point, and the way is free. Then the portal is pushed to the support point along its normal, and of the three
+//! triangles that this makes the one is kept that the way leads through, until nothing lies before the portal: it is a
+//! part of the face that the way meets.
 //!
 //! ```text
 //!          q                       q

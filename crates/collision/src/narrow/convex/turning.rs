@@ -3,7 +3,8 @@
 //!
 //! # Method
 //! GJK measures the gap at a time, each search from the features of the last; far from the touch only as well as
-//! foretelling it takes. What lies between two times is proved by [`super::motion`].
+//! foretelling it takes; boxes are asked by their axes first. An overlap that is foretold is first sought behind the
+//! corners that were nearest. What lies between two times is proved by [`super::motion`].
 //!
 //! # Limits
 //! Forms without volume in common, such as two segments, never prove a touch: their answers stay open.
@@ -78,8 +79,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The overlap at the present time, where it is foretold and the corners that were nearest at the last look prove it: this
-    /// spares most searches that would end inside.
+    /// The overlap at the present time, where it is foretold and the corners that were nearest at the last look prove it:
+    /// this spares most searches that would end inside.
     fn overlap_held(&mut self, time: f64) -> Option<Look> {
         // Of rounded forms a search says so by its first step.
         if !portal::applies(&self.course.pair) {
