@@ -75,7 +75,8 @@ fn search(
 
 /// All that may be nearest.
 struct Nearest {
-    candidates: SmallVec<[Separation; 2]>,
+    /// As many as triangles meet at a usual vertex have room here.
+    candidates: SmallVec<[Separation; 8]>,
     /// Nothing farther counts: what was asked, and what is proved.
     limit: f64,
     asked: f64,
@@ -89,8 +90,10 @@ impl Nearest {
     fn offer(&mut self, found: Separation) {
         self.limit = self.limit.min(found.certificate.bound.upper);
         let limit = self.limit;
-        self.candidates.push(found);
         self.candidates.retain(|known| known.certificate.bound.lower <= limit);
+        if found.certificate.bound.lower <= limit {
+            self.candidates.push(found);
+        }
     }
 
     /// The nearest, bounded by all that may be; of equals that of the least face.
