@@ -46,8 +46,7 @@ const FEW: usize = 32;
 /// A range of items that is to become the node `node`.
 struct Pending {
     node: u32,
-    begin: usize,
-    end: usize,
+    part: Part,
     level: u32,
 }
 
@@ -69,19 +68,20 @@ impl Part {
 pub(super) fn build(items: &mut [Item]) -> Built {
     let mut built = Built::default();
     let levels_by_cost = items.len().ilog2() + 1;
-    let mut pending = vec![Pending { node: 0, begin: 0, end: items.len(), level: 1 }];
+    let whole = Part { begin: 0, end: items.len(), bounds: bounds_of(items) };
+    let mut pending = vec![Pending { node: 0, part: whole, level: 1 }];
     built.nodes.push(Node::EMPTY);
     built.parents.push(u32::MAX);
-    while let Some(Pending { node, begin, end, level }) = pending.pop() {
+    while let Some(Pending { node, part, level }) = pending.pop() {
         built.depth = built.depth.max(level);
-        for (lane, part) in parts(items, begin, end, level <= levels_by_cost).into_iter().enumerate() {
+        for (lane, part) in parts(items, part, level <= levels_by_cost).into_iter().enumerate() {
             let (child, layers) = if let [item] = &items[part.begin..part.end] {
                 (Child::leaf(item.leaf), item.layers)
             } else {
                 let below = built.nodes.len() as u32;
                 built.nodes.push(Node::EMPTY);
                 built.parents.push(LANES as u32 * node + lane as u32);
-                pending.push(Pending { node: below, begin: part.begin, end: part.end, level: level + 1 });
+                pending.push(Pending { node: below, part, level: level + 1 });
                 (Child::node(below), 0)
             };
             built.nodes[node as usize].set(lane, part.bounds, child, layers);
@@ -94,14 +94,14 @@ pub(super) fn build(items: &mut [Item]) -> Built {
     built
 }
 
-/// The parts of a range that become the lanes of its node: singles, if there are no more of them than lanes.
-fn parts(items: &mut [Item], begin: usize, end: usize, is_by_cost: bool) -> SmallVec<[Part; LANES]> {
-    if end - begin <= LANES {
-        return (begin..end).map(|at| Part { begin: at, end: at + 1, bounds: items[at].bounds }).collect();
+/// The parts of a part that become the lanes of its node: singles, if there are no more of them than lanes.
+fn parts(items: &mut [Item], whole: Part, is_by_cost: bool) -> SmallVec<[Part; LANES]> {
+    if whole.len() <= LANES {
+        let single = |at: usize| Part { begin: at, end: at + 1, bounds: items[at].bounds };
+        return (whole.begin..whole.end).map(single).collect();
     }
-    let bounds = items[begin..end].iter().fold(LocalBox::NOTHING, |all, item| all.union(item.bounds));
     let mut parts: SmallVec<[Part; LANES]> = SmallVec::new();
-    parts.push(Part { begin, end, bounds });
+    parts.push(whole);
     while parts.len() < LANES {
         let largest = (0..parts.len())
             .filter(|&at| parts[at].len() > 1)
@@ -122,7 +122,11 @@ fn split(items: &mut [Item], part: Part, is_by_cost: bool) -> (Part, Part) {
     let (low, high) =
         centers.fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(low, high), center| (low.min(center), high.max(center)));
     let extent = high - low;
-    let cut = if is_by_cost { best_cut(range, low, extent) } else { None };
+    let cut = match range.len() {
+        _ if !is_by_cost => None,
+        0..FEW => best_cut::<BINS_FOR_FEW>(range, low, extent),
+        _ => best_cut::<BINS>(range, low, extent),
+    };
     let (count, left, right) = match cut {
         Some(cut) => cut.apply(range),
         None => halves(range, extent),
@@ -141,8 +145,11 @@ fn halves(range: &mut [Item], extent: Vec3A) -> (usize, LocalBox, LocalBox) {
             center_a.total_cmp(&center_b).then(a.leaf.cmp(&b.leaf))
         });
     }
-    let bounds = |items: &[Item]| items.iter().fold(LocalBox::NOTHING, |all, item| all.union(item.bounds));
-    (half, bounds(&range[..half]), bounds(&range[half..]))
+    (half, bounds_of(&range[..half]), bounds_of(&range[half..]))
+}
+
+fn bounds_of(items: &[Item]) -> LocalBox {
+    items.iter().fold(LocalBox::NOTHING, |all, item| all.union(item.bounds))
 }
 
 #[derive(Clone, Copy)]
@@ -192,8 +199,8 @@ struct Cut {
     grid: Grid,
     axis: usize,
     last_left_bin: usize,
-    left: Bin,
-    right: Bin,
+    left: LocalBox,
+    right: LocalBox,
 }
 
 impl Cut {
@@ -206,47 +213,48 @@ impl Cut {
                 count += 1;
             }
         }
-        (count, self.left.bounds, self.right.bounds)
+        (count, self.left, self.right)
     }
 }
 
 /// The cut of least cost; among equals the most even one, which matters where all areas are 0. `None` if all boxes are in
 /// one bin on each axis.
-fn best_cut(range: &[Item], low: Vec3A, extent: Vec3A) -> Option<Cut> {
-    let bin_count = if range.len() < FEW { BINS_FOR_FEW } else { BINS };
-    let grid = Grid::new(low, extent, bin_count);
+fn best_cut<const BINS: usize>(range: &[Item], low: Vec3A, extent: Vec3A) -> Option<Cut> {
+    let grid = Grid::new(low, extent, BINS);
     let mut bins = [[NO_BIN; BINS]; 3];
     for item in range {
         for (bins, bin) in bins.iter_mut().zip(grid.bins_of(item)) {
             bins[bin].add(Bin { bounds: item.bounds, count: 1 });
         }
     }
-    let mut best: Option<(f32, usize, Cut)> = None;
+    let mut best: Option<(f32, usize, usize, usize)> = None;
     for (axis, bins) in bins.iter().enumerate() {
         if grid.scale[axis] == 0.0 {
             continue;
         }
-        let mut right = [NO_BIN; BINS];
-        let mut sum = NO_BIN;
-        for at in (1..bin_count).rev() {
-            sum.add(bins[at]);
-            right[at - 1] = sum;
+        let mut cost_right = [0.0; BINS];
+        let mut right = NO_BIN;
+        for at in (1..BINS).rev() {
+            right.add(bins[at]);
+            cost_right[at - 1] = right.cost();
         }
         let mut left = NO_BIN;
-        for last_left_bin in 0..bin_count - 1 {
+        for last_left_bin in 0..BINS - 1 {
             left.add(bins[last_left_bin]);
-            let right = right[last_left_bin];
-            if left.count == 0 || right.count == 0 {
+            let count_right = range.len() - left.count;
+            if left.count == 0 || count_right == 0 {
                 continue;
             }
-            let (cost, imbalance) = (left.cost() + right.cost(), left.count.abs_diff(right.count));
-            let is_better = best
-                .as_ref()
-                .is_none_or(|(least, most_even, _)| cost < *least || (cost <= *least && imbalance < *most_even));
+            let (cost, imbalance) = (left.cost() + cost_right[last_left_bin], left.count.abs_diff(count_right));
+            let is_better =
+                best.is_none_or(|(least, most_even, ..)| cost < least || (cost <= least && imbalance < most_even));
             if is_better {
-                best = Some((cost, imbalance, Cut { grid, axis, last_left_bin, left, right }));
+                best = Some((cost, imbalance, axis, last_left_bin));
             }
         }
     }
-    best.map(|(_, _, cut)| cut)
+    let (_, _, axis, last_left_bin) = best?;
+    let (left, right) = bins[axis].split_at(last_left_bin + 1);
+    let all = |bins: &[Bin]| bins.iter().fold(LocalBox::NOTHING, |all, bin| all.union(bin.bounds));
+    Some(Cut { grid, axis, last_left_bin, left: all(left), right: all(right) })
 }
