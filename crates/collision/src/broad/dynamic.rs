@@ -4,7 +4,8 @@
 //! Leaves are kept in *fat* boxes, so that small moves change nothing. A box that left its fat one is changed in place
 //! where the node it is in does not grow by much, else it is taken out and put in anew: see `dynamic/links.rs`. What is
 //! inserted waits until the batch is over ([`DynamicTree::settle`]): many at once are worth building their cell anew, by the
-//! builder of static trees, few are put in one at a time. Searches see what waits as well.
+//! builder of static trees, few are put in one at a time. Searches see what waits as well. What moves spoil is mended bit by
+//! bit: see `dynamic/tend.rs`.
 //!
 //! The heuristic alone makes chains of boxes that lie in each other, as tall as they are many. A leaf that comes to lie too
 //! deep has the lowest subtree that is too deep for its size built anew, so the depth is at most 4 + 2 log₂ of the most
@@ -16,6 +17,7 @@
 
 mod check;
 mod links;
+mod tend;
 
 use super::{
     build::Item,
@@ -40,6 +42,9 @@ pub struct DynamicTree {
     /// Leaves that wait for [`DynamicTree::settle`].
     waiting: Vec<Large>,
     leaf_count: usize,
+    /// Leaves that changed their place since the last tending, and the leaf where that goes on.
+    changed_count: usize,
+    tended: u32,
 }
 
 /// Where a leaf is.
@@ -70,9 +75,10 @@ pub enum Refit {
 /// puts more in one at a time, which costs about as much for each leaf and makes a tree that is searched in more steps.
 const REBUILD_SHARE: usize = 4;
 
-/// A leaf may change its box in place while the node it is in grows to this multiple of its area at most. Larger spoils
-/// the tree, smaller puts leaves in anew that hardly moved.
-const GROWTH_IN_PLACE: f32 = 1.5;
+/// A leaf that still touches its old box may change it in place while the node it is in grows by this multiple of the leaf's
+/// area at most. Larger spoils the tree, smaller puts leaves in anew that hardly moved. (What the node itself measures is
+/// no scale: nodes that are large because they are bad would become worse for ever.)
+const GROWTH_IN_PLACE: f32 = 1.0;
 
 impl DynamicTree {
     /// How many leaves it holds.
@@ -175,24 +181,32 @@ impl DynamicTree {
         let parent = self.parents[index];
         let may_stay = parent >= ROOT || {
             let before = self.forest.nodes[parent as usize / LANES].lane(parent as usize % LANES).half_area();
-            changed.bounds().half_area() <= before * GROWTH_IN_PLACE
+            let growth = changed.bounds().half_area() - before;
+            node.lane(lane_of_node).touches(local) && growth <= local.half_area() * GROWTH_IN_PLACE
         };
         if may_stay {
             self.forest.nodes[index] = changed;
             self.refit_from(index as u32);
+            self.changed_count += 1;
             return Refit::Enlarged;
         }
         self.unlink(lane);
         self.link(cell, Item { bounds: local, leaf, layers });
+        self.changed_count += 1;
         Refit::Reinserted
     }
 
     /// Puts in what waits: to be called when a batch of edits is over. Searches find the same leaves before and after, but
-    /// look at each one that waits.
+    /// look at each one that waits. Then parts of the tree are built anew, in proportion to what changed: see
+    /// `dynamic/tend.rs`.
     pub fn settle(&mut self) {
-        if self.waiting.is_empty() {
-            return;
+        if !self.waiting.is_empty() {
+            self.put_in_what_waits();
         }
+        self.tend();
+    }
+
+    fn put_in_what_waits(&mut self) {
         let waiting = std::mem::take(&mut self.waiting);
         let is_first = self.forest.cells.iter().all(|cell| cell.leaf_count == 0) && self.forest.large.is_empty();
         let arriving = if is_first { self.forest.distribute(&waiting) } else { self.forest.assign(&waiting) };
@@ -206,6 +220,7 @@ impl DynamicTree {
                 self.take_apart(root, &mut items);
                 self.build_below(cell, ROOT | u32::from(cell), &mut items);
             } else {
+                self.changed_count += items.len();
                 for item in items {
                     self.link(cell, item);
                 }

@@ -39,6 +39,10 @@ impl LocalBox {
         (self.min.cmple(other.min) & other.max.cmple(self.max)).all()
     }
 
+    pub(super) fn touches(self, other: Self) -> bool {
+        (self.min.cmple(other.max) & other.min.cmple(self.max)).all()
+    }
+
     /// Half of the surface area, m².
     pub(super) fn half_area(self) -> f32 {
         let d = self.max - self.min;

@@ -188,3 +188,31 @@ fn it_is_about_as_good_as_a_fresh_tree_after_many_moves() {
     let cost = tree.area_sum() / fresh.area_sum();
     assert!((0.5..2.0).contains(&cost), "{cost:.2} times the cost of a fresh tree");
 }
+
+/// Far moves, each a new place: a tree that let leaves stay where they were would become worse with each tick.
+#[test]
+fn far_moves_do_not_spoil_it_tick_by_tick() {
+    let mut random = Random::new(12);
+    let place = |random: &mut Random| {
+        let center = random.vector() * 60.0;
+        Aabb::new(center - 0.7, center + 0.7)
+    };
+    let mut tree = DynamicTree::default();
+    let mut boxes: Vec<Aabb> = (0..4000).map(|_| place(&mut random)).collect();
+    for (leaf, bounds) in (0..).zip(&boxes) {
+        tree.insert(leaf, *bounds, 0.0, ALL_LAYERS);
+    }
+    tree.settle();
+    let mut costs = Vec::new();
+    for _ in 0..30 {
+        for _ in 0..400 {
+            let leaf = (random.unit() * boxes.len() as f64) as u32;
+            boxes[leaf as usize] = place(&mut random);
+            tree.update(leaf, boxes[leaf as usize], 0.0);
+        }
+        tree.settle();
+        tree.assert_sound();
+        costs.push(tree.area_sum() / StaticTree::build(&boxes).area_sum());
+    }
+    assert!(costs.iter().all(|&cost| cost < 1.4), "costs over those of fresh trees: {costs:.2?}");
+}
