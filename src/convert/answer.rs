@@ -142,6 +142,10 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
             let what = format!("{error}: leave shapes out with options.filter, or part those that lie in one place");
             Problem::new(Reason::QuotaExceeded, what).with("quota", "pairs").with("limit", PAIRS_MAX)
         }
+        QuestionError::TooLong(limit) => {
+            let what = format!("{error}: ask for less, with a looser accuracy or a narrower options.filter");
+            Problem::new(Reason::QuotaExceeded, what).with("quota", "question_steps").with("limit", limit)
+        }
         QuestionError::Interrupted => Deadline::problem(),
     }
 }

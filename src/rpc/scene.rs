@@ -22,6 +22,10 @@ use crate::{
     token::Role,
 };
 
+/// Steps that one question may take: some twenty seconds of work, so that what grazes without end is refused, not worked on for
+/// minutes.
+const QUESTION_STEPS: u64 = 1 << 28;
+
 /// What applies to a question.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Terms {
@@ -93,7 +97,7 @@ impl Scene {
         asked: impl FnOnce(&mut Meter<'_>) -> Result<Found<H>, QuestionError>,
     ) -> Checked<(Found<H>, Work)> {
         let mut keep_going = || self.deadline.is_ahead();
-        let mut meter = Meter::new(&mut keep_going);
+        let mut meter = Meter::new(&mut keep_going).with_limit(QUESTION_STEPS);
         let found = fenced("answering a question", || asked(&mut meter))?;
         let found = found.map_err(|error| answer::refused(&error, self.snapshot.tick()))?;
         let counters = &self.session.counters;

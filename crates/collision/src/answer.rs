@@ -121,6 +121,14 @@ pub struct Work {
     pub iterations: u64,
 }
 
+impl Work {
+    /// All of it, each node, shape, pair and iteration a step.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.nodes_visited + self.shapes_tested + self.pairs_tested + self.iterations
+    }
+}
+
 impl std::ops::AddAssign for Work {
     fn add_assign(&mut self, other: Self) {
         self.nodes_visited += other.nodes_visited;

@@ -75,6 +75,9 @@ pub enum QuestionError {
         super::STEPS_MAX
     )]
     TooManyPairs,
+    /// It took more steps than [`Meter::with_limit`] allows.
+    #[error("the question takes more than {0} steps")]
+    TooLong(u64),
     /// The caller's check said to stop.
     #[error("the question was interrupted")]
     Interrupted,
@@ -86,6 +89,7 @@ pub struct Meter<'a> {
     pub work: Work,
     keep_going: &'a mut dyn FnMut() -> bool,
     units_until_check: u32,
+    steps_max: u64,
 }
 
 impl<'a> Meter<'a> {
@@ -94,7 +98,14 @@ impl<'a> Meter<'a> {
 
     /// A meter that asks `keep_going` about every 100 µs of work; `false` ends the question as interrupted.
     pub fn new(keep_going: &'a mut dyn FnMut() -> bool) -> Self {
-        Self { work: Work::default(), keep_going, units_until_check: Self::UNITS_BETWEEN_CHECKS }
+        Self { work: Work::default(), keep_going, units_until_check: Self::UNITS_BETWEEN_CHECKS, steps_max: u64::MAX }
+    }
+
+    /// Ends what takes more steps than this in all, with [`QuestionError::TooLong`]: nodes visited, shapes looked at, pairs of
+    /// pieces tested and their iterations, each a step.
+    #[must_use]
+    pub fn with_limit(self, steps_max: u64) -> Self {
+        Self { steps_max, ..self }
     }
 
     /// Counts a shape whose geometry is looked at.
@@ -109,8 +120,11 @@ impl<'a> Meter<'a> {
     /// Spends one unit.
     ///
     /// # Errors
-    /// [`QuestionError::Interrupted`] if the caller's check said to stop.
+    /// [`QuestionError::Interrupted`] if the caller's check said to stop, [`QuestionError::TooLong`].
     pub fn spend(&mut self) -> Result<(), QuestionError> {
+        if self.work.steps() > self.steps_max {
+            return Err(QuestionError::TooLong(self.steps_max));
+        }
         self.units_until_check -= 1;
         if self.units_until_check == 0 {
             self.units_until_check = Self::UNITS_BETWEEN_CHECKS;

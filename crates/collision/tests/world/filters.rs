@@ -185,6 +185,24 @@ fn a_question_is_called_off_when_its_caller_says_so() {
     assert!(meter.work.pairs_tested >= 2000 && meter.work.nodes_visited >= 500);
 }
 
+#[test]
+fn a_question_ends_at_its_limit_of_steps_and_not_before() {
+    let snapshot = world_of((1..=2000).map(|number| shape(number, ball(), Pose::IDENTITY))).newest();
+    let question = Overlap { subject: everything(), against: None, max_hits: 10_000 };
+    let mut go_on = || true;
+    let mut ask = |steps_max: u64| {
+        let mut meter = Meter::new(&mut go_on).with_limit(steps_max);
+        let found = snapshot.overlap(&question, &Filter::default(), &Accuracy::default(), &mut meter);
+        (found.map(|found| found.hits.len()), meter.work.steps())
+    };
+    let (found, steps) = ask(u64::MAX);
+    assert_eq!(found, Ok(2000));
+    assert_eq!(ask(steps).0, Ok(2000));
+    let (refused, spent) = ask(steps / 2);
+    assert_eq!(refused, Err(QuestionError::TooLong(steps / 2)));
+    assert!(spent >= steps / 2 && spent < steps, "{spent} of {steps}");
+}
+
 /// A static wall before a crowd: the limit that the static tree found holds in the dynamic one too.
 #[test]
 fn what_is_behind_a_wall_costs_nothing() {
