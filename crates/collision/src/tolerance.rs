@@ -191,7 +191,7 @@ pub const CLIMB_DOUBT: f64 = 8.0 * ROUNDING;
 
 /// How far the depth of a contact point may be from that of the two surfaces there: each of its two points lies on its
 /// surface to within a support value's error, and clipping and projecting add as much again. Smaller, and a point's interval
-/// might miss; larger, and it would be wider than need be. Pinned by `tests/convex/contact.rs`.
+/// might miss; larger, and it would be wider than need be. Pinned by `tests/convex/contact.rs` and `tests/convex/points.rs`.
 pub const POINT_DEPTH: f64 = 4.0 * PAIR_ROUNDING;
 
 /// How far the length of `Σ wᵢ(p − vᵢ)` may be from that of `Σ wᵢ(p − vᵢ) / Σ wᵢ`, as a part of `Σ wᵢ|p − vᵢ|`, where

@@ -10,6 +10,7 @@ mod half_space_ray;
 mod hull;
 mod laws;
 mod planks;
+mod points;
 mod random;
 mod revolved;
 mod simplify;

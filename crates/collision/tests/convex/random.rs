@@ -45,7 +45,7 @@ impl Noise {
 }
 
 /// A form and where it is.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(crate) struct Body {
     pub(crate) geometry: Geometry,
     pub(crate) pose: Pose,

@@ -103,11 +103,13 @@ impl<'a> Judged<'a> {
         let Self { pair, touch, .. } = self;
         let points = manifold::points(pair, touch).into_iter().map(|point| {
             let depth = (point.on_b - point.on_a).dot(touch.normal);
+            // Nowhere is the way between the surfaces along the normal longer than both forms are wide together.
+            let upper = (depth + point.beyond + POINT_DEPTH).min((depth + POINT_DEPTH).max(touch.upper));
             ContactPoint {
                 point_on_a: pair.point_out(point.on_a),
                 point_on_b: pair.point_out(point.on_b),
                 depth: pair.length_out(depth),
-                bound: pair.bound_out(depth - POINT_DEPTH, depth + POINT_DEPTH),
+                bound: pair.bound_out(depth - POINT_DEPTH, upper),
                 feature_pair: point.feature_pair,
             }
         });

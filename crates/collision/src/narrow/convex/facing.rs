@@ -21,11 +21,41 @@ pub(super) struct Facing {
     pub(super) corners: Corners,
     /// Whether the corners lie flat across the direction.
     pub(super) is_flat: bool,
+    /// Unit normal of a face, on either side of it; of an edge or a corner the direction itself.
+    normal: DVec3,
 }
 
 impl Facing {
     fn corner(body: &Body<'_>, direction: DVec3) -> Self {
-        Self { corners: smallvec![body.support(direction)], is_flat: false }
+        Self { corners: smallvec![body.support(direction)], is_flat: false, normal: direction }
+    }
+
+    /// A face, with its normal, or the edge or corner that is left of it.
+    fn face(corners: Corners, normal: DVec3, direction: DVec3) -> Self {
+        let is_flat = normal.cross(direction).norm() <= FLAT_CONTACT_SINE;
+        let normal = if corners.len() > 2 { normal } else { direction };
+        Self { corners, is_flat, normal }
+    }
+
+    /// How far a point is from the plane of a flat face, along `direction`. Faces without area have no normal of their own: the
+    /// plane across the direction stands for theirs.
+    pub(super) fn height(&self, point: DVec3, direction: DVec3) -> f64 {
+        let from_corner = point - self.corners[0].point;
+        let cosine = self.normal.dot(direction);
+        if cosine.abs() > 0.5 { self.normal.dot(from_corner) / cosine } else { direction.dot(from_corner) }
+    }
+
+    /// How much farther than `radius`, at most, the surface of the rounded core lies from the feature along `direction`: the
+    /// surface over a face leans as the face does, so above one of its corners it may be higher than a ball's is.
+    pub(super) fn beyond(&self, radius: f64, direction: DVec3) -> f64 {
+        if radius == 0.0 || self.corners.len() == 1 {
+            return 0.0;
+        }
+        if self.is_flat {
+            return radius * (FLAT_CONTACT_SINE * FLAT_CONTACT_SINE);
+        }
+        let cosine = self.normal.dot(direction).abs();
+        if cosine > 0.0 { radius * (1.0 / cosine - 1.0).max(0.0) } else { f64::INFINITY }
     }
 
     pub(super) fn is_flat_face(&self) -> bool {
@@ -53,7 +83,7 @@ pub(super) fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
         Core::Cuboid { half_extents } => cuboid_face(body, *half_extents, direction),
         Core::Hull(hull) => hull_face(body, hull, direction).unwrap_or_else(|| Facing::corner(body, direction)),
         Core::Segment { .. } if is_across(body.turn(DVec3::Y), direction) => {
-            Facing { corners: smallvec![body.corner(0), body.corner(1)], is_flat: true }
+            Facing { corners: smallvec![body.corner(0), body.corner(1)], is_flat: true, normal: direction }
         }
         Core::Cylinder { half_height, radius } => {
             let ends = [-*half_height, *half_height];
@@ -66,7 +96,7 @@ pub(super) fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
             let corners: Corners = (0..3).map(|index| body.corner(index)).collect();
             let [a, b, c] = [0, 1, 2].map(|i: usize| corners[i].point);
             let normal = (b - a).cross(c - a).try_unit().unwrap_or_default();
-            Facing { is_flat: normal.cross(direction).norm() <= FLAT_CONTACT_SINE, corners }
+            Facing::face(corners, normal, direction)
         }
         Core::Point | Core::Segment { .. } | Core::Ellipsoid { .. } => Facing::corner(body, direction),
     }
@@ -84,7 +114,7 @@ fn round_face(body: &Body<'_>, direction: DVec3, radius: f64, [low, high]: [f64;
         return Some(rim(body, radius, if local.y > 0.0 { high } else { low }));
     }
     let side = across.try_unit().filter(|_| local.y.abs() <= FLAT_CONTACT_SINE)? * radius;
-    Some(line(body, side + DVec3::Y * low, side + DVec3::Y * high))
+    Some(line(body, [side + DVec3::Y * low, side + DVec3::Y * high], direction))
 }
 
 /// The rim of the base, or the line from it to the apex.
@@ -96,7 +126,7 @@ fn cone_face(body: &Body<'_>, direction: DVec3, radius: f64, half_height: f64) -
     }
     let (base, apex) = (across.try_unit()? * radius - DVec3::Y * half_height, DVec3::Y * half_height);
     let slant = (apex - base).try_unit()?;
-    (slant.dot(local).abs() <= FLAT_CONTACT_SINE).then(|| line(body, base, apex))
+    (slant.dot(local).abs() <= FLAT_CONTACT_SINE).then(|| line(body, [base, apex], direction))
 }
 
 /// Eight points of a circle about y, counter-clockwise as seen from above.
@@ -105,12 +135,12 @@ fn rim(body: &Body<'_>, radius: f64, height: f64) -> Facing {
     let ring = [(radius, 0.0), (slope, -slope), (0.0, -radius), (-slope, -slope)];
     let ring = ring.into_iter().chain([(-radius, 0.0), (-slope, slope), (0.0, radius), (slope, slope)]);
     let corner = |(index, (x, z))| Corner { point: body.out(DVec3::new(x, height, z)), index };
-    Facing { corners: (0..).zip(ring).map(corner).collect(), is_flat: true }
+    Facing { corners: (0..).zip(ring).map(corner).collect(), is_flat: true, normal: body.turn(DVec3::Y) }
 }
 
-fn line(body: &Body<'_>, start: DVec3, end: DVec3) -> Facing {
+fn line(body: &Body<'_>, ends: [DVec3; 2], direction: DVec3) -> Facing {
     let corner = |(index, point)| Corner { point: body.out(point), index };
-    Facing { corners: (0..).zip([start, end]).map(corner).collect(), is_flat: true }
+    Facing { corners: (0..).zip(ends).map(corner).collect(), is_flat: true, normal: direction }
 }
 
 /// The face that looks along a direction most; of a plate seen along its plane, or of a stick, what is left of it.
@@ -134,13 +164,14 @@ fn cuboid_face(body: &Body<'_>, half_extents: DVec3, direction: DVec3) -> Facing
         lean[side] = 0.0;
     }
     let rests = [0, second, second | third, third].into_iter().filter(|rest| rest & flat == 0);
-    let corners = rests.map(|rest| body.corner(high | rest)).collect();
-    Facing { corners, is_flat: lean.norm() <= FLAT_CONTACT_SINE }
+    let corners: Corners = rests.map(|rest| body.corner(high | rest)).collect();
+    let normal = if corners.len() > 2 { body.turn(DVec3::AXES[axis]) } else { direction };
+    Facing { corners, is_flat: lean.norm() <= FLAT_CONTACT_SINE, normal }
 }
 
 fn hull_face(body: &Body<'_>, hull: &Hull, direction: DVec3) -> Option<Facing> {
     let local = body.to_local(direction);
     let face = hull.facing(local)?;
     let corners = face.vertices.iter().map(|&vertex| body.corner(vertex)).collect();
-    Some(Facing { corners, is_flat: face.normal.cross(local).norm() <= FLAT_CONTACT_SINE })
+    Some(Facing::face(corners, body.turn(face.normal), direction))
 }

@@ -2,8 +2,9 @@
 //!
 //! # Method
 //! Where a face of one core lies flat across the normal, the other core's facing feature (a face, an edge, a corner) is
-//! clipped by the side planes of that face and projected onto it; two edges side by side are clipped by each other's
-//! ends. Of more than four points those stay that span the touch best. Anything else touches in one point.
+//! clipped by the side planes of that face and projected onto it along the normal; two edges side by side are clipped by each
+//! other's ends. So every point is one of its core, and none lies deeper than the cores are wide along the normal. Of more
+//! than four points those stay that span the touch best. Anything else touches in one point.
 //!
 //! # Source
 //! Clipping: Sutherland, Hodgman (1974). Choice of four: deepest, farthest from it, largest triangle, largest addition.
@@ -24,6 +25,8 @@ use crate::{math::Norm, tolerance::SQUARE_MIN};
 pub(super) struct Point {
     pub(super) on_a: DVec3,
     pub(super) on_b: DVec3,
+    /// How much deeper than these two points the two surfaces may lie in each other there.
+    pub(super) beyond: f64,
     pub(super) feature_pair: u32,
 }
 
@@ -42,12 +45,17 @@ pub(super) fn points(pair: &Pair<'_>, touch: &Touch) -> Points {
     // The second form is the simpler one: where it touches with a corner there is nothing to clip.
     let facing_b = facing(&pair.b, touch.normal);
     let mut kept = Points::new();
+    let mut beyond = 0.0;
     if facing_b.corners.len() > 1 {
         let facing_a = facing(&pair.a, -touch.normal);
         if facing_a.is_reference_for(&facing_b) {
             kept = four(clip(&facing_a, &facing_b, touch.normal, Side::A), touch.normal);
         } else if facing_b.is_reference_for(&facing_a) {
             kept = four(clip(&facing_b, &facing_a, touch.normal, Side::B), touch.normal);
+        }
+        if !kept.is_empty() {
+            let [normal, opposite] = [touch.normal, -touch.normal];
+            beyond = facing_a.beyond(pair.a.radius, opposite) + facing_b.beyond(pair.b.radius, normal);
         }
     }
     if kept.is_empty() {
@@ -56,6 +64,7 @@ pub(super) fn points(pair: &Pair<'_>, touch: &Touch) -> Points {
     for point in &mut kept {
         point.on_a -= touch.normal * pair.a.radius;
         point.on_b += touch.normal * pair.b.radius;
+        point.beyond = beyond;
     }
     kept
 }
@@ -111,13 +120,13 @@ fn clip(reference: &Facing, incident: &Facing, normal: DVec3, side: Side) -> Poi
             let along = (corners[1].point - base).try_unit().unwrap_or_default();
             base + along * along.dot(clipped.point - base)
         } else {
-            clipped.point - normal * normal.dot(clipped.point - base)
+            clipped.point - normal * reference.height(clipped.point, normal)
         };
         let (on_a, on_b, high, low) = match side {
             Side::A => (foot, clipped.point, reference_name, clipped.name),
             Side::B => (clipped.point, foot, clipped.name, reference_name),
         };
-        Point { on_a, on_b, feature_pair: u32::from(high) << 16 | u32::from(low) }
+        Point { on_a, on_b, beyond: 0.0, feature_pair: u32::from(high) << 16 | u32::from(low) }
     });
     pairs.collect()
 }
@@ -201,7 +210,7 @@ fn single(pair: &Pair<'_>, touch: &Touch) -> Point {
     let [name_a, name_b] = touch.features.unwrap_or_else(|| {
         [pair.a.support(-touch.normal).index, pair.b.support(touch.normal).index].map(|index| name(&[index]))
     });
-    Point { on_a, on_b, feature_pair: u32::from(name_a) << 16 | u32::from(name_b) }
+    Point { on_a, on_b, beyond: 0.0, feature_pair: u32::from(name_a) << 16 | u32::from(name_b) }
 }
 
 /// Names the features that some vertices of the difference come from, on `a` and on `b`.

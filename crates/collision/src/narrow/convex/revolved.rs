@@ -59,6 +59,7 @@ pub(super) fn signed(pair: &Pair<'_>) -> Option<Signed> {
     } else {
         touch.signed.max((on_a - on_b).norm()) + rounding
     };
+    let [on_a, on_b] = if lean > 0.0 { on_planes(pair, normal, [on_a, on_b]) } else { [on_a, on_b] };
     Some(Signed {
         lower: plane(pair, normal).min(upper),
         upper,
@@ -68,6 +69,13 @@ pub(super) fn signed(pair: &Pair<'_>) -> Option<Signed> {
         common: meridian.out(common_point(&a, &b, meridian.point)),
         corners: [touch.feature; 2],
     })
+}
+
+/// Points moved along the normal onto the planes that the forms reach to: of forms that lean from each other the formula's points
+/// are off by the lean, and would lie deeper in each other than the forms are.
+fn on_planes(pair: &Pair<'_>, normal: DVec3, [on_a, on_b]: [DVec3; 2]) -> [DVec3; 2] {
+    let (a, b) = (pair.a.support(DVec3::ZERO - normal).point, pair.b.support(normal).point);
+    [on_a + normal * (a - on_a).dot(normal), on_b + normal * (b - on_b).dot(normal)]
 }
 
 /// The half plane through the first form's axis and a point.

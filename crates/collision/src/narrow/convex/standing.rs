@@ -28,6 +28,7 @@ pub(in crate::narrow) fn feet(convex: &Convex, normal: DVec3) -> SmallVec<[Corne
     let points = corners.into_iter().map(|corner| Point {
         on_a: corner.point,
         on_b: corner.point - normal * normal.dot(corner.point),
+        beyond: 0.0,
         feature_pair: short(corner.index).into(),
     });
     let chosen = four(points.collect(), normal);
