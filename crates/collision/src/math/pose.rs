@@ -46,10 +46,11 @@ impl Pose {
     /// its root, since a matrix needs products of two components only. Each entry is right to 32 roundings: at most 4 for
     /// the square of the length, 1 for the quotient, 3 for a sum of two products, on values of up to 2, and 1 for 1 less that.
     #[must_use]
+    #[inline]
     pub fn matrix(&self) -> DMat3 {
         let length_sq = self.rotation.length_squared();
         if !(SQUARE_MIN..1.0 / SQUARE_MIN).contains(&length_sq) {
-            return DMat3::from_quat(self.unit_rotation());
+            return self.matrix_of_unit();
         }
         let twice = 2.0 / length_sq;
         let [x, y, z, w] = self.rotation.to_array();
@@ -62,6 +63,12 @@ impl Pose {
             DVec3::new(xy - wz, 1.0 - (xx + zz), yz + wx),
             DVec3::new(xz + wy, yz - wx, 1.0 - (xx + yy)),
         )
+    }
+
+    /// [`Pose::matrix`] where the quaternion's square leaves the range in which f64 has all its digits.
+    #[cold]
+    fn matrix_of_unit(&self) -> DMat3 {
+        DMat3::from_quat(self.unit_rotation())
     }
 
     /// The turn from this rotation to that of `end` along the shorter arc, as a rotation vector: the axis times the angle,

@@ -181,19 +181,24 @@ impl Simplex {
 }
 
 /// How far inside a tetrahedron the origin surely lies; `None` if it may not. The faces of a sliver are known less well than
-/// its corners: what that may cost is taken off.
-pub(super) fn margin([a, b, c, d]: &[DVec3; 4]) -> Option<f64> {
-    let inner = |a: DVec3, b: DVec3, c: DVec3, apex: DVec3| {
-        let normal = (b - a).cross(c - a);
-        let blur = CROSS_BLUR * (b - a).norm() * (c - a).norm();
-        let height = normal.dot(apex - a);
-        if height.abs() <= blur * (apex - a).norm() {
-            return 0.0;
-        }
-        (-height.signum() * normal.dot(a) - blur * a.norm()) / (normal.norm() + blur)
+/// its corners: what that may cost is taken off, as if all edges were as long as the longest one and all corners as far away
+/// as the farthest one.
+pub(super) fn margin(&[a, b, c, d]: &[DVec3; 4]) -> Option<f64> {
+    let [ab, ac, ad, bc, bd] = [b - a, c - a, d - a, c - b, d - b];
+    let longest_sq = [ac, ad, bc, bd, d - c].into_iter().map(DVec3::length_squared).fold(ab.length_squared(), f64::max);
+    let farthest_sq = [b, c, d].into_iter().map(DVec3::length_squared).fold(a.length_squared(), f64::max);
+    let blur = CROSS_BLUR * longest_sq;
+    let flattest = blur * longest_sq.sqrt();
+    let doubt = blur * farthest_sq.sqrt();
+    let inner = |normal: DVec3, corner: DVec3, to_apex: DVec3| {
+        let height = normal.dot(to_apex);
+        let inside = (if height > 0.0 { -normal.dot(corner) } else { normal.dot(corner) }) - doubt;
+        if height.abs() > flattest { inside / (normal.norm() + blur) } else { 0.0 }
     };
-    let (a, b, c, d) = (*a, *b, *c, *d);
-    let least = inner(a, b, c, d).min(inner(a, b, d, c)).min(inner(a, c, d, b)).min(inner(b, c, d, a));
+    let least = inner(ab.cross(ac), a, ad)
+        .min(inner(ab.cross(ad), a, ac))
+        .min(inner(ac.cross(ad), a, ab))
+        .min(inner(bc.cross(bd), b, -ab));
     (least > 0.0).then_some(least)
 }
 
