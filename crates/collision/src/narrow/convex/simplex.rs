@@ -169,12 +169,20 @@ impl Simplex {
         [self.vertices[0].point, self.vertices[1].point, self.vertices[2].point, self.vertices[3].point]
     }
 
+    /// Goes to a part of these vertices. Nothing of it is looked up by a number that is not known beforehand, so that it
+    /// stays in registers; memory that is written in small pieces and read back in large ones makes a processor wait.
+    #[inline(always)]
     fn take(&mut self, part: Part) {
         // Members are in rising order, so that none is overwritten before it is moved.
-        for (slot, &member) in part.members[..part.count].iter().enumerate() {
-            if slot != member {
-                self.vertices[slot] = self.vertices[member];
-            }
+        let [first, second, third, _] = part.members;
+        if first != 0 {
+            self.vertices[0] = self.vertices[first];
+        }
+        if part.count > 1 && second != 1 {
+            self.vertices[1] = self.vertices[second];
+        }
+        if part.count > 2 && third != 2 {
+            self.vertices[2] = self.vertices[third];
         }
         self.part = part;
     }
