@@ -46,7 +46,7 @@ impl Pose {
     /// its root, since a matrix needs products of two components only. Each entry is right to 32 roundings: at most 4 for
     /// the square of the length, 1 for the quotient, 3 for a sum of two products, on values of up to 2, and 1 for 1 less that.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn matrix(&self) -> DMat3 {
         let length_sq = self.rotation.length_squared();
         if !(SQUARE_MIN..1.0 / SQUARE_MIN).contains(&length_sq) {

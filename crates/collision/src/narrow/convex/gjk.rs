@@ -73,16 +73,18 @@ pub(super) fn gap_warm(
     if let Some(gap) = rods::gap(pair).or_else(|| formula::gap(pair)) {
         return gap;
     }
-    let by_axes = if seed.is_none() { boxes::gap(pair) } else { None };
-    let gap = by_axes.unwrap_or_else(|| {
-        let known = seed.and_then(|seed| seed.simplex(pair));
-        let mut search = match known {
-            Some(simplex) => Search::from(pair, simplex),
-            None => Search::cold(pair),
-        };
-        let stop = search.run(budget, is_enough);
-        search.end(stop)
-    });
+    if seed.is_none()
+        && let Some(gap) = boxes::gap(pair)
+    {
+        *seed = Some(Seed::of(&gap));
+        return gap;
+    }
+    let mut gap = match seed {
+        Some(seed) if seed.is_known_to(pair) => Gap::beginning_with(seed.simplex(pair)),
+        _ => Gap::cold(pair),
+    };
+    let stop = gap.run(pair, budget, is_enough);
+    gap.end(stop);
     *seed = Some(Seed::of(&gap));
     gap
 }
@@ -93,31 +95,37 @@ pub(super) fn support(pair: &Pair<'_>, direction: DVec3) -> Vertex {
     Vertex::new(pair.a.support(-direction), pair.b.support(direction))
 }
 
-struct Search<'a> {
-    pair: &'a Pair<'a>,
-    simplex: Simplex,
-    lower: f64,
-    normal: DVec3,
-    iterations: u32,
-}
-
-impl<'a> Search<'a> {
+/// The search: what it knows is the gap as far as that has been found, where it stays until it is done.
+impl Gap {
     /// Begins with the vertex across the line of the middles, and what its plane proves.
-    fn cold(pair: &'a Pair<'a>) -> Self {
+    #[inline(always)]
+    fn cold(pair: &Pair<'_>) -> Self {
         let apart = pair.a.center() - pair.b.center();
         let length = apart.norm();
         let (direction, length) = if length > PAIR_ROUNDING { (apart, length) } else { (DVec3::X, 1.0) };
         let first = support(pair, direction);
-        let mut search = Self::from(pair, Simplex::of(first));
-        search.raise_lower_to(direction, length, &first);
-        search
+        let mut gap = Self::beginning_with(Simplex::of(first));
+        gap.raise_lower_to(direction, length, &first);
+        gap
     }
 
-    fn from(pair: &'a Pair<'a>, simplex: Simplex) -> Self {
-        Self { pair, simplex, lower: 0.0, normal: DVec3::ZERO, iterations: 0 }
+    #[inline(always)]
+    fn beginning_with(simplex: Simplex) -> Self {
+        Self {
+            lower: 0.0,
+            upper: f64::INFINITY,
+            length: 0.0,
+            normal: DVec3::ZERO,
+            simplex,
+            inside: 0.0,
+            iterations: 0,
+            method: Method::Gjk,
+            stop: Stop::Budget,
+        }
     }
 
-    fn run(&mut self, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Stop {
+    #[inline(always)]
+    fn run(&mut self, pair: &Pair<'_>, budget: u32, is_enough: impl Fn(f64, f64) -> bool) -> Stop {
         while self.iterations < budget {
             self.iterations += 1;
             if self.simplex.vertices().len() == 4 {
@@ -134,7 +142,7 @@ impl<'a> Search<'a> {
             if length - self.lower <= 2.0 * PAIR_ROUNDING {
                 return Stop::Converged;
             }
-            let vertex = self.raise_lower(nearest, length);
+            let vertex = self.raise_lower(pair, nearest, length);
             if is_enough(self.lower, length + PAIR_ROUNDING) {
                 return Stop::Tolerance;
             }
@@ -142,7 +150,7 @@ impl<'a> Search<'a> {
                 return Stop::Converged;
             }
             let is_settled = self.simplex.contains(&vertex) || !self.simplex.advance(&vertex);
-            if is_settled && !self.polish(nearest / length, length) {
+            if is_settled && !self.polish(pair, nearest / length, length) {
                 return Stop::Converged;
             }
         }
@@ -151,8 +159,8 @@ impl<'a> Search<'a> {
 
     /// Proves what the plane across `direction` of that `length` can prove, and returns its vertex. The support needs no
     /// unit vector, so the processor seeks it while the root and the quotient are still on their way.
-    fn raise_lower(&mut self, direction: DVec3, length: f64) -> Vertex {
-        let vertex = support(self.pair, direction);
+    fn raise_lower(&mut self, pair: &Pair<'_>, direction: DVec3, length: f64) -> Vertex {
+        let vertex = support(pair, direction);
         self.raise_lower_to(direction, length, &vertex);
         vertex
     }
@@ -174,10 +182,10 @@ impl<'a> Search<'a> {
     /// them.
     ///
     /// Portal refinement: Snethen, "Xenocollide" (Game Programming Gems 7, 2008).
-    fn polish(&mut self, toward: DVec3, length: f64) -> bool {
+    fn polish(&mut self, pair: &Pair<'_>, toward: DVec3, length: f64) -> bool {
         let mut features = self.simplex;
         for _ in 0..POLISH_ROUNDS {
-            let vertex = self.raise_lower(feature_normal(&features, toward), 1.0);
+            let vertex = self.raise_lower(pair, feature_normal(&features, toward), 1.0);
             if features.contains(&vertex) || length - self.lower <= 2.0 * PAIR_ROUNDING {
                 break;
             }
@@ -191,20 +199,12 @@ impl<'a> Search<'a> {
         is_nearer
     }
 
-    fn end(&self, stop: Stop) -> Gap {
-        let inside = self.simplex.margin().unwrap_or(0.0);
-        let length = if inside > 0.0 { 0.0 } else { self.simplex.point().norm() };
-        Gap {
-            lower: self.lower,
-            upper: length + PAIR_ROUNDING,
-            length,
-            normal: self.normal,
-            simplex: self.simplex,
-            inside,
-            iterations: self.iterations,
-            method: Method::Gjk,
-            stop,
-        }
+    #[inline(always)]
+    fn end(&mut self, stop: Stop) {
+        self.inside = self.simplex.margin().unwrap_or(0.0);
+        self.length = if self.inside > 0.0 { 0.0 } else { self.simplex.point().norm() };
+        self.upper = self.length + PAIR_ROUNDING;
+        self.stop = stop;
     }
 }
 

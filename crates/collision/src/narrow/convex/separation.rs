@@ -99,6 +99,7 @@ impl Signed {
     }
 
     /// The same, and where the verdict is open, what the exact sign of forms that are not turned proves.
+    #[inline(always)]
     pub(super) fn or_exactly(self, a: PlacedConvex<'_>, b: PlacedConvex<'_>) -> Self {
         if self.verdict != Verdict::Undecided {
             return self;
@@ -135,6 +136,7 @@ pub(super) fn signed(pair: &Pair<'_>, budget: u32) -> Signed {
 }
 
 /// The signed distance from the gap of the cores, and from the depth where the gap leaves the verdict open.
+#[inline(always)]
 fn signed_gap(pair: &Pair<'_>, gap: &Gap, budget: u32) -> Signed {
     let radius = pair.radius();
     let is_inside = gap.inside > PAIR_ROUNDING;
@@ -145,6 +147,12 @@ fn signed_gap(pair: &Pair<'_>, gap: &Gap, budget: u32) -> Signed {
     if !is_open || gap.lower > 0.0 && radius > 0.0 {
         return by_gap;
     }
+    signed_by_depth(pair, gap, budget, [lower, upper])
+}
+
+/// The same from the depth of the cores, where the bounds by the gap are `lower` and `upper`.
+#[inline(never)]
+fn signed_by_depth(pair: &Pair<'_>, gap: &Gap, budget: u32, [lower, upper]: [f64; 2]) -> Signed {
     let touch = depth::overlapping(pair, gap, budget, |lower, _| lower > 0.0);
     let (lower, upper) = (lower.max(-touch.upper), upper.min(-touch.lower));
     Signed::new(lower, upper, touch.method, touch.stop, gap.iterations.saturating_add(touch.iterations))

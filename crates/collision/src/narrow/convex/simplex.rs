@@ -58,6 +58,7 @@ pub(super) struct Simplex {
 }
 
 impl Simplex {
+    #[inline(always)]
     pub(super) fn of(vertex: Vertex) -> Self {
         let part = Part { members: [0; 4], weights: [1.0, 0.0, 0.0, 0.0], count: 1, point: vertex.point };
         Self { vertices: [vertex; 4], part }
@@ -67,10 +68,16 @@ impl Simplex {
     pub(super) fn nearest_of(mut vertices: impl Iterator<Item = Vertex>) -> Option<Self> {
         let mut simplex = Self::of(vertices.next()?);
         for vertex in vertices.take(3) {
-            simplex.vertices[simplex.part.count] = vertex;
-            simplex.part.count += 1;
+            simplex.push(vertex);
         }
         Some(simplex.nearest())
+    }
+
+    /// Adds a vertex to at most three. The point is not sought anew.
+    #[inline(always)]
+    pub(super) fn push(&mut self, vertex: Vertex) {
+        self.vertices[self.part.count] = vertex;
+        self.part.count += 1;
     }
 
     pub(super) fn vertices(&self) -> &[Vertex] {
@@ -127,8 +134,7 @@ impl Simplex {
     pub(super) fn with(&self, vertex: &Vertex) -> Self {
         let mut grown = *self;
         if grown.part.count < 4 {
-            grown.vertices[grown.part.count] = *vertex;
-            grown.part.count += 1;
+            grown.push(*vertex);
         }
         grown
     }
@@ -156,8 +162,14 @@ impl Simplex {
 
     /// The part of these vertices that is nearest to the origin.
     pub(super) fn nearest(mut self) -> Self {
-        self.take(nearest_part(&self.points(), self.part.count));
+        self.settle();
         self
+    }
+
+    /// Goes to the part of these vertices that is nearest to the origin.
+    #[inline(always)]
+    pub(super) fn settle(&mut self) {
+        self.take(nearest_part(&self.points(), self.part.count));
     }
 
     /// How far inside a tetrahedron the origin surely lies; `None` if it may not or if this is no tetrahedron.
@@ -203,10 +215,11 @@ pub(super) fn margin(&[a, b, c, d]: &[DVec3; 4]) -> Option<f64> {
         let inside = (if height > 0.0 { -normal.dot(corner) } else { normal.dot(corner) }) - doubt;
         if height.abs() > flattest { inside / (normal.norm() + blur) } else { 0.0 }
     };
-    let least = inner(ab.cross(ac), a, ad)
-        .min(inner(ab.cross(ad), a, ac))
-        .min(inner(ac.cross(ad), a, ab))
-        .min(inner(bc.cross(bd), b, -ab));
+    let least = inner(ab.cross(ac), a, ad).min(inner(ab.cross(ad), a, ac)).min(inner(ac.cross(ad), a, ab)).min(inner(
+        bc.cross(bd),
+        b,
+        -ab,
+    ));
     (least > 0.0).then_some(least)
 }
 
@@ -257,11 +270,14 @@ fn triangle(p: &[DVec3; 4], [i, j, k]: [usize; 3]) -> Part {
     let plain = along_b.cross(along_c);
     // Of slivers no digit may be lost: beside a narrow gap the point would lie aside by more than the gap.
     let is_small = plain.length_squared() <= SMALL_AREA * SMALL_AREA;
-    let cross = if is_small { exact::cross } else { DVec3::cross };
-    let normal = if is_small { exact::cross(along_b, along_c) } else { plain };
     // What a corner weighs is the area that the foot of the origin spans with the side across from it. The foot itself is not
     // needed: it lies along the normal, where it adds nothing to these products.
-    let areas = [cross(b, c).dot(normal), cross(c, a).dot(normal), cross(a, b).dot(normal)];
+    let areas = if is_small {
+        let normal = exact::cross(along_b, along_c);
+        [(b, c), (c, a), (a, b)].map(|(u, v)| exact::cross(u, v).dot(normal))
+    } else {
+        [b.cross(c).dot(plain), c.cross(a).dot(plain), a.cross(b).dot(plain)]
+    };
     let inside = areas.map(|part| part > 0.0);
     let sum = areas[0] + areas[1] + areas[2];
     if inside == [true; 3] && sum.is_normal() {

@@ -12,7 +12,6 @@
 use glam::DVec3;
 
 use super::{
-    body::Body,
     frame::Pair,
     gjk::{self, Gap},
     simplex::{Simplex, Vertex},
@@ -99,18 +98,40 @@ impl Seed {
         (self.count == 3).then(|| [0, 1, 2].map(|i: usize| vertex(pair, self.corners[i]).point))
     }
 
-    /// The simplex to begin with at the pair's present pose; `None` if nothing useful is known.
-    pub(super) fn simplex(&self, pair: &Pair<'_>) -> Option<Simplex> {
-        let in_range =
-            |body: &Body<'_>, corner: u32| body.corner_count().is_some_and(|count| (corner as usize) < count);
-        let known = &self.corners[..self.count.min(4)];
-        if !known.is_empty() && known.iter().all(|&[on_a, on_b]| in_range(&pair.a, on_a) && in_range(&pair.b, on_b)) {
-            return Simplex::nearest_of(known.iter().map(|&corners| vertex(pair, corners)));
+    /// Whether something useful is known: corners that the pair has, or a direction.
+    #[inline(always)]
+    pub(super) fn is_known_to(&self, pair: &Pair<'_>) -> bool {
+        self.has_corners_of(pair) || self.normal != DVec3::ZERO
+    }
+
+    #[inline(always)]
+    fn has_corners_of(&self, pair: &Pair<'_>) -> bool {
+        let [of_a, of_b] = [&pair.a, &pair.b].map(|body| body.corner_count().unwrap_or(0));
+        let known = self.known();
+        !known.is_empty() && known.iter().all(|&[on_a, on_b]| (on_a as usize) < of_a && (on_b as usize) < of_b)
+    }
+
+    #[inline(always)]
+    fn known(&self) -> &[[u32; 2]] {
+        &self.corners[..self.count.min(4)]
+    }
+
+    /// The simplex to begin with at the pair's present pose, where [`Seed::is_known_to`] says that there is one.
+    #[inline(always)]
+    pub(super) fn simplex(&self, pair: &Pair<'_>) -> Simplex {
+        if !self.has_corners_of(pair) {
+            return Simplex::of(gjk::support(pair, self.normal));
         }
-        (self.normal != DVec3::ZERO).then(|| Simplex::of(gjk::support(pair, self.normal)))
+        let mut simplex = Simplex::of(vertex(pair, self.corners[0]));
+        for &corners in &self.known()[1..] {
+            simplex.push(vertex(pair, corners));
+        }
+        simplex.settle();
+        simplex
     }
 }
 
+#[inline(always)]
 fn vertex(pair: &Pair<'_>, [on_a, on_b]: [u32; 2]) -> Vertex {
     Vertex::new(pair.a.corner(on_a), pair.b.corner(on_b))
 }
