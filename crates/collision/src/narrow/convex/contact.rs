@@ -27,8 +27,9 @@ pub(crate) fn penetration(
     work: &mut Work,
 ) -> Option<Contact> {
     let (first, second, is_swapped) = order::in_order(a, b);
-    let contact = Judged::new(first, second, max_gap, accuracy, &mut None, work)?.contact();
-    Some(if is_swapped { contact.swapped() } else { contact })
+    judge(first, second, max_gap, accuracy, &mut None, work, |judged| {
+        if is_swapped { judged.contact().swapped() } else { judged.contact() }
+    })
 }
 
 /// The same from what was remembered; the same question again has the same answer without any search.
@@ -46,9 +47,10 @@ pub(crate) fn penetration_warm(
         return known.clone();
     }
     let (first, second, is_swapped) = order::in_order(a, b);
-    let judged = Judged::new(first, second, max_gap, accuracy, warm.seed(is_swapped), work);
-    let contact = judged.map(|judged| judged.contact());
-    let contact = if is_swapped { contact.map(Contact::swapped) } else { contact };
+    let seed = warm.seed(is_swapped);
+    let contact = judge(first, second, max_gap, accuracy, seed, work, |judged| {
+        if is_swapped { judged.contact().swapped() } else { judged.contact() }
+    });
     warm.rest(resting, contact.clone());
     contact
 }
@@ -62,46 +64,51 @@ pub(crate) fn depth(
     work: &mut Work,
 ) -> Option<Depth> {
     let (first, second, is_swapped) = order::in_order(a, b);
-    let depth = Judged::new(first, second, max_gap, accuracy, &mut None, work)?.depth();
+    let depth = judge(first, second, max_gap, accuracy, &mut None, work, |judged| judged.depth())?;
     Some(if is_swapped { depth.swapped() } else { depth })
 }
 
+/// What is said of a pair that may be no more than `max_gap` metres apart. The pair and its touch stay where they are made:
+/// they are large to copy.
+#[inline(always)]
+fn judge<Answer>(
+    a: PlacedConvex<'_>,
+    b: PlacedConvex<'_>,
+    max_gap: f64,
+    accuracy: &Accuracy,
+    seed: &mut Option<Seed>,
+    work: &mut Work,
+    answer: impl FnOnce(&Judged<'_>) -> Answer,
+) -> Option<Answer> {
+    let pair = Pair::new(a, b, 0.0);
+    let mut touch = depth::touch(&pair, &Ask::of(&pair, max_gap, accuracy), seed);
+    work.pairs_tested += 1;
+    work.iterations += touch.as_ref().map_or(1, |touch| u64::from(touch.iterations));
+    let touch = touch.as_mut()?;
+    let mut verdict = Bound::new(-touch.upper, -touch.lower).touch_verdict();
+    if verdict == Verdict::Undecided
+        && let Some(sign) = touch::sign(a, b)
+    {
+        if sign == Ordering::Greater && max_gap <= 0.0 {
+            return None;
+        }
+        verdict = touch.bounded_by(sign);
+    }
+    Some(answer(&Judged { pair: &pair, touch, verdict }))
+}
+
 /// How a pair touches, and what that proves.
-struct Judged<'a> {
-    pair: Pair<'a>,
-    touch: Touch,
+struct Judged<'p> {
+    pair: &'p Pair<'p>,
+    touch: &'p Touch,
     verdict: Verdict,
 }
 
-impl<'a> Judged<'a> {
-    fn new(
-        a: PlacedConvex<'a>,
-        b: PlacedConvex<'a>,
-        max_gap: f64,
-        accuracy: &Accuracy,
-        seed: &mut Option<Seed>,
-        work: &mut Work,
-    ) -> Option<Self> {
-        let pair = Pair::new(a, b, 0.0);
-        let touch = depth::touch(&pair, &Ask::of(&pair, max_gap, accuracy), seed);
-        work.pairs_tested += 1;
-        work.iterations += touch.as_ref().map_or(1, |touch| u64::from(touch.iterations));
-        let mut touch = touch?;
-        let mut verdict = Bound::new(-touch.upper, -touch.lower).touch_verdict();
-        if verdict == Verdict::Undecided
-            && let Some(sign) = touch::sign(a, b)
-        {
-            if sign == Ordering::Greater && max_gap <= 0.0 {
-                return None;
-            }
-            verdict = touch.bounded_by(sign);
-        }
-        Some(Self { pair, touch, verdict })
-    }
-
+impl Judged<'_> {
     fn contact(&self) -> Contact {
         let Self { pair, touch, .. } = self;
-        let points = manifold::points(pair, touch).into_iter().map(|point| {
+        let touching = manifold::points(pair, touch);
+        let points = touching.iter().map(|point| {
             let depth = (point.on_b - point.on_a).dot(touch.normal);
             // Nowhere is the way between the surfaces along the normal longer than both forms are wide together.
             let upper = (depth + point.beyond + POINT_DEPTH).min((depth + POINT_DEPTH).max(touch.upper));
@@ -136,7 +143,7 @@ impl<'a> Judged<'a> {
     }
 
     fn certificate(&self) -> Certificate {
-        let Touch { lower, upper, method, stop, iterations, .. } = self.touch;
+        let Touch { lower, upper, method, stop, iterations, .. } = *self.touch;
         Certificate { verdict: self.verdict, bound: self.pair.bound_out(lower, upper), method, stop, iterations }
     }
 }
