@@ -9,7 +9,7 @@
 //! Slab test: Williams, Barrus, Morley, Shirley, "An Efficient and Robust Ray-Box Intersection Algorithm", 2005, with
 //! the widening of Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
-use glam::{BVec3, DVec3, Vec4};
+use glam::{DVec3, Vec4};
 
 use super::node::{Lanes, Node};
 use crate::{math::Aabb, tolerance};
@@ -40,7 +40,7 @@ struct Slabs {
     origin: DVec3,
     /// ±∞ where the direction is ±0: then a box is entered in that axis at all times or never.
     inverse: DVec3,
-    backwards: BVec3,
+    backwards: [bool; 3],
     /// The path's reach, and what rounding the walls of a box can shift them by.
     reach: DVec3,
 }
@@ -65,8 +65,8 @@ impl Slabs {
     /// A `t` at or before the entry, and one at or after the exit; `None` if it is surely not entered up to `limit`.
     fn stay(&self, bounds: &Aabb, limit: f64) -> Option<(f64, f64)> {
         let (low, high) = (bounds.min - self.reach, bounds.max + self.reach);
-        let near = (DVec3::select(self.backwards, high, low) - self.origin) * self.inverse;
-        let far = (DVec3::select(self.backwards, low, high) - self.origin) * self.inverse;
+        let near = (select(self.backwards, high, low) - self.origin) * self.inverse;
+        let far = (select(self.backwards, low, high) - self.origin) * self.inverse;
         // The origin in a wall and no motion across it is 0 · ∞ = NaN. As the first operand of these it drops out:
         // the wall counts as entered, which is the safe branch.
         let entry = larger(near.x, larger(near.y, larger(near.z, 0.0)));
@@ -76,8 +76,16 @@ impl Slabs {
 }
 
 /// The sign bits of a vector; −0 counts as negative, so that its inverse −∞ is met by the right wall.
-fn signs(v: DVec3) -> BVec3 {
-    BVec3::new(v.x.is_sign_negative(), v.y.is_sign_negative(), v.z.is_sign_negative())
+fn signs(v: DVec3) -> [bool; 3] {
+    v.to_array().map(f64::is_sign_negative)
+}
+
+/// Of each component one of the two, without a branch: no processor foresees where a path goes.
+fn select(is_first: [bool; 3], first: DVec3, second: DVec3) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|axis| {
+        let mask = u64::from(is_first[axis]).wrapping_neg();
+        f64::from_bits((first[axis].to_bits() & mask) | (second[axis].to_bits() & !mask))
+    }))
 }
 
 /// The larger one; `b` if `a` is NaN.
@@ -92,9 +100,8 @@ fn smaller(a: f64, b: f64) -> f64 {
 
 /// A path within one cell, in f32: `s` counts multiples of its direction from where the cell is entered.
 pub(super) struct LocalPath {
-    /// Of each axis, the plane (of [`Node::planes`]) where a box is entered, and the one where it is left.
-    entered: [usize; 3],
-    left: [usize; 3],
+    /// Of each axis: whether a box is entered by its upper plane and left by its lower one.
+    is_backwards: [bool; 3],
     /// What is taken from the one and from the other: the origin, moved by the reach and by all that was rounded.
     origin_entered: [Vec4; 3],
     origin_left: [Vec4; 3],
@@ -121,13 +128,11 @@ impl LocalPath {
         let reach = path.reach + slack;
         let (low, high) = (origin - reach, origin + reach);
         let backwards = signs(direction);
-        let is_backwards: [bool; 3] = backwards.into();
         let splat = |v: DVec3| v.as_vec3().to_array().map(Vec4::splat);
         Some(Self {
-            entered: std::array::from_fn(|axis| axis + 3 * usize::from(is_backwards[axis])),
-            left: std::array::from_fn(|axis| axis + 3 * usize::from(!is_backwards[axis])),
-            origin_entered: splat(DVec3::select(backwards, low, high)),
-            origin_left: splat(DVec3::select(backwards, high, low)),
+            is_backwards: backwards,
+            origin_entered: splat(select(backwards, low, high)),
+            origin_left: splat(select(backwards, high, low)),
             inverse: direction.as_vec3().to_array().map(inverse),
             start,
             end,
@@ -141,11 +146,18 @@ impl LocalPath {
     }
 
     /// The lanes whose boxes are entered before `limit`, and an `s` at or before which each is.
+    #[inline]
     pub(super) fn entering(&self, node: &Node, limit: f32) -> (Lanes, Vec4) {
-        let near = |axis: usize| (node.planes[self.entered[axis]] - self.origin_entered[axis]) * self.inverse[axis];
-        let far = |axis: usize| (node.planes[self.left[axis]] - self.origin_left[axis]) * self.inverse[axis];
-        let entry = near(0).max(near(1)).max(near(2).max(Vec4::ZERO));
-        let exit = far(0).min(far(1)).min(far(2).min(Vec4::splat(limit)));
+        let [x, y, z] = [0, 1, 2].map(|axis| {
+            let is_backwards = self.is_backwards[axis];
+            let entered = node.planes[axis + 3 * usize::from(is_backwards)];
+            let left = node.planes[axis + 3 * usize::from(!is_backwards)];
+            let near = (entered - self.origin_entered[axis]) * self.inverse[axis];
+            let far = (left - self.origin_left[axis]) * self.inverse[axis];
+            (near, far)
+        });
+        let entry = x.0.max(y.0).max(z.0.max(Vec4::ZERO));
+        let exit = x.1.min(y.1).min(z.1.min(Vec4::splat(limit)));
         (Lanes::of(entry.cmple(exit * tolerance::TREE_SLAB_WIDENING)), entry)
     }
 }

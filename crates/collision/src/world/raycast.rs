@@ -11,7 +11,7 @@ use crate::{
     accuracy::Accuracy,
     answer::Certificate,
     broad::Path,
-    math::Aabb,
+    math::{Aabb, Norm},
     narrow::{self, Ray, RayTouch},
     tolerance,
 };
@@ -60,7 +60,7 @@ struct Track {
 impl Track {
     fn new(ray: &Ray) -> Self {
         let direction = ray.direction * power_of_two_towards_one(ray.direction.abs().max_element());
-        Self { path: Path { origin: ray.origin, direction, reach: DVec3::ZERO }, length: direction.length() }
+        Self { path: Path { origin: ray.origin, direction, reach: DVec3::ZERO }, length: direction.norm() }
     }
 
     /// The `t` of a distance, so much too large that no box is lost by it.
