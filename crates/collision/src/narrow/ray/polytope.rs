@@ -20,23 +20,74 @@ use crate::{
     shape::{Hull, Span},
 };
 
-/// Where the line crosses a box about the centre; `None` if surely nowhere.
+/// Where the line crosses a box about the centre; `None` if surely nowhere. As [`Clip::slab`] for each axis, but which of two
+/// sides is entered is a sign here, and which of three walls is the last or the first a number: no processor foresees them.
 pub(super) fn cuboid(ray: &LocalRay, half_extents: DVec3) -> Option<Crossing> {
-    let mut clip = Clip::new();
+    let (mut entry, mut exit) = (First::new(), First::new());
+    let mut certain = true;
     for axis in 0..3 {
-        let mut normal = DVec3::ZERO;
-        normal[axis] = 1.0;
         let error = if ray.still[axis] { 0.0 } else { ray.error };
-        let side = |normal: DVec3, sign: f64, face: usize| Side {
-            normal,
-            speed: sign * ray.direction[axis],
-            gap: half_extents[axis] - sign * ray.foot[axis],
-            error,
-            face: u32::try_from(face).ok(),
-        };
-        clip.slab(ray, side(-normal, -1.0, 2 * axis), side(normal, 1.0, 2 * axis + 1))?;
+        let (direction, foot, half) = (ray.direction[axis], ray.foot[axis], half_extents[axis]);
+        let speed = direction.abs();
+        let sign = 1.0_f64.copysign(direction);
+        let (entry_gap, exit_gap) = (half + sign * foot, half - sign * foot);
+        if speed * ray.extent <= error {
+            let gap = entry_gap.min(exit_gap);
+            if gap < -2.0 * error {
+                return None;
+            }
+            certain &= gap >= 2.0 * error;
+            continue;
+        }
+        let width = error / speed;
+        // The entry is turned round, so that the first of three is wanted of both.
+        let (entered, left) = (entry_gap / speed, exit_gap / speed);
+        certain &= width - entered <= exit.bound.lower && -entry.bound.lower <= left - width;
+        entry.take(entered, width, axis);
+        exit.take(left, width, axis);
     }
+    if -entry.bound.upper > exit.bound.upper {
+        return None;
+    }
+    let wall = |bound: Bound, best: f64, axis: Option<usize>, turn: f64| {
+        let (normal, face) = axis.map_or((DVec3::ZERO, None), |axis| {
+            let sign = turn * 1.0_f64.copysign(ray.direction[axis]);
+            (DVec3::AXES[axis] * sign, u32::try_from(2 * axis + usize::from(sign > 0.0)).ok())
+        });
+        Wall { bound, best, normal, face }
+    };
+    let turned = Bound::new(-entry.bound.upper, -entry.bound.lower);
+    let clip = Clip {
+        entry: wall(turned, -entry.best, entry.axis(), -1.0),
+        exit: wall(exit.bound, exit.best, exit.axis(), 1.0),
+        certain,
+    };
     Some(clip.crossing(ray))
+}
+
+/// The first of the walls of up to three axes.
+struct First {
+    bound: Bound,
+    best: f64,
+    /// 3 if there is none.
+    axis: usize,
+}
+
+impl First {
+    fn new() -> Self {
+        Self { bound: Bound::new(f64::INFINITY, f64::INFINITY), best: f64::INFINITY, axis: 3 }
+    }
+
+    fn take(&mut self, best: f64, width: f64, axis: usize) {
+        let (lower, upper) = (best - width, best + width);
+        self.bound = Bound { lower: self.bound.lower.min(lower), upper: self.bound.upper.min(upper) };
+        self.axis = if best < self.best { axis } else { self.axis };
+        self.best = if best < self.best { best } else { self.best };
+    }
+
+    fn axis(&self) -> Option<usize> {
+        (self.axis < 3).then_some(self.axis)
+    }
 }
 
 /// Where the line crosses a hull with faces; `None` if surely nowhere. `center` is what the ray is relative to.
