@@ -1,7 +1,5 @@
 //! Which shapes a question sees.
 
-use smallvec::SmallVec;
-
 use super::{Mobility, Shape, ShapeId, search::Side};
 
 /// Which shapes a question sees: those with `(shape.layers & collides_with) != 0` and
@@ -24,6 +22,9 @@ pub struct Filter {
     pub exclude_groups: Vec<u32>,
 }
 
+/// Ids of so many shapes are compared one by one. More are sorted first, which asks for memory.
+const EXCLUDED_UNSORTED_MAX: usize = 16;
+
 /// A filter made ready for one asker.
 #[derive(Debug)]
 pub(super) struct Sieve<'a> {
@@ -32,21 +33,24 @@ pub(super) struct Sieve<'a> {
     collides_with: u32,
     /// The asker and its group, if it is a shape of the world.
     asker: Option<(ShapeId, u32)>,
-    /// Sorted; a usual list has room here.
-    exclude_ids: SmallVec<[ShapeId; 16]>,
+    /// Sorted, if they are so many that this pays; a usual list is searched as it was sent.
+    exclude_sorted: Vec<ShapeId>,
 }
 
 impl<'a> Sieve<'a> {
     /// The filter for an asker, which may be a shape of the world.
     pub(super) fn new(filter: &'a Filter, asker: Option<&Shape>) -> Self {
-        let mut exclude_ids = SmallVec::from_slice(&filter.exclude_ids);
-        exclude_ids.sort_unstable();
+        let mut exclude_sorted = Vec::new();
+        if filter.exclude_ids.len() > EXCLUDED_UNSORTED_MAX {
+            exclude_sorted.extend_from_slice(&filter.exclude_ids);
+            exclude_sorted.sort_unstable();
+        }
         Self {
             filter,
             layers: filter.layers.or(asker.map(|shape| shape.layers)).unwrap_or(u32::MAX),
             collides_with: filter.collides_with.or(asker.map(|shape| shape.collides_with)).unwrap_or(u32::MAX),
             asker: asker.map(|shape| (shape.id, shape.group)),
-            exclude_ids,
+            exclude_sorted,
         }
     }
 
@@ -66,7 +70,15 @@ impl<'a> Sieve<'a> {
         let is_excluded = (self.filter.exclude_sensors && shape.sensor)
             || (self.filter.exclude_static && shape.mobility == Mobility::Static)
             || (shape.group != 0 && self.filter.exclude_groups.contains(&shape.group))
-            || self.exclude_ids.binary_search(&shape.id).is_ok();
+            || self.excludes(shape.id);
         is_wanted && !is_own && !is_excluded
+    }
+
+    fn excludes(&self, id: ShapeId) -> bool {
+        if self.filter.exclude_ids.len() > EXCLUDED_UNSORTED_MAX {
+            self.exclude_sorted.binary_search(&id).is_ok()
+        } else {
+            self.filter.exclude_ids.contains(&id)
+        }
     }
 }
