@@ -63,6 +63,7 @@ impl Slabs {
     }
 
     /// A `t` at or before the entry, and one at or after the exit; `None` if it is surely not entered up to `limit`.
+    #[inline]
     fn stay(&self, bounds: &Aabb, limit: f64) -> Option<(f64, f64)> {
         let (low, high) = (bounds.min - self.reach, bounds.max + self.reach);
         let near = (select(self.backwards, high, low) - self.origin) * self.inverse;

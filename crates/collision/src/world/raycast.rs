@@ -115,7 +115,10 @@ impl Snapshot {
                     raise(&mut touch.distance, &mut touch.certificate, least);
                     RayHit { id, user_data: other.user_data(), touch }
                 };
-                gathered.add(touches.certain.map(hit), touches.undecided.map(hit));
+                // Most shapes are missed, and what is moved is large.
+                if touches.certain.is_some() || touches.undecided.is_some() {
+                    gathered.add(touches.certain.map(hit), touches.undecided.map(hit));
+                }
             }
             Ok(track.limit(gathered.limit()))
         })?;
