@@ -187,7 +187,6 @@ impl DynamicTree {
         if may_stay {
             self.forest.nodes[index] = changed;
             self.refit_from(index as u32);
-            self.changed_count += 1;
             return Refit::Enlarged;
         }
         self.unlink(lane);
