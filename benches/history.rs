@@ -6,6 +6,8 @@
 //! by turns, so that a slow moment of the machine meets them all. The first question to a time, which prepares the ticks
 //! around it, is timed alone, and so is the next, which finds them ready.
 
+mod dice;
+
 use std::{
     error::Error,
     hint::black_box,
@@ -22,10 +24,11 @@ use collision::{
     narrow::{Faces, Ray},
     shape::Geometry,
     world::{
-        Edit, EditRule, Filter, HitMode, Means, Meter, Mobility, Moment, Overlap, Raycast, Settings, Shape, Snapshot,
-        Subject, Tick, Time, World,
+        Edit, EditRule, Filter, HitMode, Means, Meter, Moment, Overlap, Raycast, Settings, Shape, Snapshot, Subject,
+        Tick, Time, World,
     },
 };
+use dice::Dice;
 
 type Failure = Box<dyn Error + Send + Sync>;
 
@@ -178,7 +181,7 @@ fn moves(newest: &Snapshot, dice: &mut Dice) -> Vec<Edit> {
             let turn = DQuat::from_xyzw(0.02, dice.between(-0.02, 0.02), 0.0, 1.0);
             moves.push(Edit::Move {
                 id,
-                position: Some(shape.pose.position + dice.point(2.0).normalize_or_zero() * STEP),
+                position: Some(shape.pose.position + DVec3::from_array(dice.point(2.0)).normalize_or_zero() * STEP),
                 rotation: Some(turn * shape.pose.unit_rotation()),
                 velocity: None,
                 angular_velocity: None,
@@ -205,20 +208,9 @@ fn filled(name: &str, dice: &mut Dice, history_ticks: u32) -> Result<(World, f64
     }
     let side = (20.0 * volume).cbrt();
     let inserts = (1..).zip(geometries).map(|(number, geometry)| {
-        Edit::Insert(Shape {
-            id: id(number),
-            geometry: Arc::new(geometry),
-            pose: Pose::new(dice.point(side), DQuat::from_xyzw(dice.between(-1.0, 1.0), 0.3, 0.2, 1.0)),
-            layers: 1,
-            collides_with: u32::MAX,
-            mobility: Mobility::Dynamic,
-            bullet: false,
-            sensor: false,
-            group: 0,
-            user_data: 0,
-            velocity: DVec3::ZERO,
-            angular_velocity: DVec3::ZERO,
-        })
+        let pose =
+            Pose::new(DVec3::from_array(dice.point(side)), DQuat::from_xyzw(dice.between(-1.0, 1.0), 0.3, 0.2, 1.0));
+        Edit::Insert(Shape::new(id(number), Arc::new(geometry), pose))
     });
     let settings = Settings { history_ticks, ..Settings::default() };
     let mut world = World::with(Time(0), settings, Means::default());
@@ -232,8 +224,8 @@ fn id(number: u64) -> NonZeroU64 {
 
 fn rays(side: f64, dice: &mut Dice) -> Vec<Raycast> {
     let mut ray = || Ray {
-        origin: dice.point(side),
-        direction: dice.point(1.0),
+        origin: DVec3::from_array(dice.point(side)),
+        direction: DVec3::from_array(dice.point(1.0)),
         min_distance: 0.0,
         max_distance: RAY_LENGTH,
         hollow: false,
@@ -245,7 +237,7 @@ fn rays(side: f64, dice: &mut Dice) -> Vec<Raycast> {
 fn balls(side: f64, dice: &mut Dice) -> Result<Vec<Overlap>, Failure> {
     let ball = Arc::new(Geometry::sphere(2.0)?);
     let subject = |pose| Subject::Geometry { geometry: Arc::clone(&ball), pose };
-    let places = (0..QUESTIONS).map(|_| Pose::at(dice.point(side)));
+    let places = (0..QUESTIONS).map(|_| Pose::at(DVec3::from_array(dice.point(side))));
     Ok(places.map(|pose| Overlap { subject: subject(pose), against: None, max_hits: 1000 }).collect())
 }
 
@@ -265,23 +257,4 @@ fn timed_value<T>(work: impl FnOnce() -> T) -> (f64, T) {
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
-}
-
-/// Numbers that look random and are the same on every run (xorshift64*).
-struct Dice(u64);
-
-impl Dice {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let number = self.0.wrapping_mul(0x2545_F491_4F6C_DD1D);
-        low + (high - low) * (number >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// In a cube around the origin.
-    fn point(&mut self, side: f64) -> DVec3 {
-        let mut part = || self.between(-0.5 * side, 0.5 * side);
-        DVec3::new(part(), part(), part())
-    }
 }

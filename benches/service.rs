@@ -3,6 +3,8 @@
 //! The world has 10,000 shapes (half boxes, a quarter spheres, a quarter capsules, 0.2 to 2 m, about 5 % of the space
 //! filled), rays are 10 m long. Client and server share this machine's cores, so the figures are those of both.
 
+mod dice;
+
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -11,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use calipers::{config::Settings, serve};
 use calipers_client::{Client, EditWriter, ask, edit, proto, shape};
+use dice::Dice;
 use proto::question::Question;
 use tokio::task::JoinSet;
 
@@ -170,22 +173,7 @@ async fn streamed(client: &Client, side: f64, dice: &mut Dice) -> Result<(f64, f
     }
 }
 
-/// Numbers that look random and are the same on every run (xorshift64*).
-struct Dice(u64);
-
 impl Dice {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let number = self.0.wrapping_mul(0x2545_F491_4F6C_DD1D);
-        low + (high - low) * (number >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn point(&mut self, side: f64) -> [f64; 3] {
-        std::array::from_fn(|_| self.between(-0.5 * side, 0.5 * side))
-    }
-
     /// Not evenly spread over all rotations, but over many.
     fn rotation(&mut self) -> [f64; 4] {
         std::array::from_fn(|_| self.between(-1.0, 1.0))

@@ -5,6 +5,8 @@
 //! cores take the newest version for each question and ask for the closest hit of a ray of 10 m. Stretches with and
 //! without the writer take turns, so that a slow moment of the machine meets both.
 
+mod dice;
+
 use std::{
     error::Error,
     f64::consts::TAU,
@@ -28,6 +30,7 @@ use collision::{
     shape::Geometry,
     world::{Edit, EditRule, Filter, HitMode, Meter, Raycast, Shape, Snapshot, Time, World},
 };
+use dice::Dice;
 
 type Failure = Box<dyn Error + Send + Sync>;
 
@@ -111,7 +114,7 @@ fn filled(dice: &mut Dice) -> Result<(World, f64), Failure> {
     let side = (20.0 * volume).cbrt();
     let mut edits = Vec::new();
     for (number, geometry) in (1..).zip(geometries) {
-        let pose = Pose::new(dice.point(side), dice.rotation());
+        let pose = Pose::new(DVec3::from_array(dice.point(side)), dice.rotation());
         edits.push(Edit::Insert(Shape::new(id(number), Arc::new(geometry), pose)));
     }
     let mut world = World::new(Time(0));
@@ -155,8 +158,8 @@ fn read(published: &ArcSwap<Snapshot>, readers: usize, side: f64, meanwhile: imp
 
 fn rays(side: f64, dice: &mut Dice) -> Vec<Raycast> {
     let mut ray = || Ray {
-        origin: dice.point(side),
-        direction: dice.point(1.0),
+        origin: DVec3::from_array(dice.point(side)),
+        direction: DVec3::from_array(dice.point(1.0)),
         min_distance: 0.0,
         max_distance: RAY_LENGTH,
         hollow: false,
@@ -184,7 +187,7 @@ fn write(world: &mut World, published: &ArcSwap<Snapshot>, dice: &mut Dice) -> V
         // Every tenth: spread over all pages, as the movers of a world are.
         let moves = (0..MOVES).filter_map(|number| {
             let id = id(1 + first + number * (SHAPE_COUNT / MOVES));
-            let place = newest.shape(id)?.pose.position + dice.point(2.0).normalize_or_zero() * STEP;
+            let place = newest.shape(id)?.pose.position + DVec3::from_array(dice.point(2.0)).normalize_or_zero() * STEP;
             let (rotation, velocity, angular_velocity) = (None, None, None);
             Some(Edit::Move { id, position: Some(place), rotation, velocity, angular_velocity, teleport: false })
         });
@@ -214,24 +217,7 @@ fn at(values: &[f64], share: f64) -> f64 {
     values[(share * (values.len() - 1) as f64) as usize]
 }
 
-/// Numbers that look random and are the same on every run (xorshift64*).
-struct Dice(u64);
-
 impl Dice {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let number = self.0.wrapping_mul(0x2545_F491_4F6C_DD1D);
-        low + (high - low) * (number >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// In a cube around the origin.
-    fn point(&mut self, side: f64) -> DVec3 {
-        let mut part = || self.between(-0.5 * side, 0.5 * side);
-        DVec3::new(part(), part(), part())
-    }
-
     /// Not evenly spread over all rotations, but over many.
     fn rotation(&mut self) -> DQuat {
         let mut part = || self.between(-1.0, 1.0);

@@ -15,7 +15,7 @@ use collision::{
     math::Pose,
     narrow::{self, Placed},
     shape::Geometry,
-    world::{Distance, Edit, EditRule, Filter, Meter, Mobility, Shape, ShapeId, Subject, Time, World},
+    world::{Distance, Edit, EditRule, Filter, Meter, Shape, ShapeId, Subject, Time, World},
 };
 use glam::DVec3;
 use yardstick::sets::{
@@ -77,20 +77,8 @@ fn edit(change: &Change, model: &Model, forms: &Forms) -> Edit {
                     teleport: false,
                 };
             }
-            Edit::Insert(Shape {
-                id: id(actor),
-                geometry: Arc::clone(forms.of(kind)),
-                pose,
-                layers: 1,
-                collides_with: u32::MAX,
-                mobility: Mobility::Dynamic,
-                bullet: false,
-                sensor: false,
-                group: 0,
-                user_data: actor,
-                velocity: DVec3::ZERO,
-                angular_velocity: DVec3::ZERO,
-            })
+            let geometry = Arc::clone(forms.of(kind));
+            Edit::Insert(Shape { user_data: actor, ..Shape::new(id(actor), geometry, pose) })
         }
     }
 }
