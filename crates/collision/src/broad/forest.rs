@@ -69,6 +69,11 @@ pub(super) trait Rooted {
     fn listed(&self) -> impl Iterator<Item = &Large> {
         self.forest().large.iter().chain(self.waiting())
     }
+
+    /// Those of them that are on one of the layers.
+    fn listed_on(&self, layers: u32) -> impl Iterator<Item = &Large> {
+        self.listed().filter(move |large| large.layers & layers != 0)
+    }
 }
 
 /// A part of the world with an origin of its own.

@@ -117,7 +117,7 @@ impl<R: Rooted> Tree for R {
         mut visit: impl FnMut(&mut T, u32) -> Result<ControlFlow<()>, T::Stop>,
     ) -> Result<(), T::Stop> {
         let forest = self.forest();
-        for large in self.listed().filter(|large| large.layers & layers != 0) {
+        for large in self.listed_on(layers) {
             if large.bounds.intersects(query) && visit(toll, large.leaf)?.is_break() {
                 return Ok(());
             }
@@ -140,7 +140,7 @@ impl<R: Rooted> Tree for R {
     ) -> Result<(), T::Stop> {
         let forest = self.forest();
         let mut limit = limit;
-        for large in self.listed().filter(|large| large.layers & layers != 0) {
+        for large in self.listed_on(layers) {
             if path.entry(&large.bounds, limit).is_some() {
                 limit = limit.min(visit(toll, large.leaf)?);
             }
@@ -163,7 +163,7 @@ impl<R: Rooted> Tree for R {
     ) -> Result<(), T::Stop> {
         let forest = self.forest();
         let mut limit = limit;
-        for large in self.listed().filter(|large| large.layers & layers != 0) {
+        for large in self.listed_on(layers) {
             if distance_at_least(query, large.bounds) <= limit {
                 limit = limit.min(visit(toll, large.leaf)?);
             }

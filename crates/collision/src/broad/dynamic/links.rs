@@ -5,6 +5,8 @@
 //! the way down (beside a node, all that is below it would come to lie deeper, unseen). Going down, the growth above is known, and below a box no place can cost less than that plus its own growth; so
 //! the descent ends when a place on the way is cheaper. A node that is left with one child gives way to it.
 
+use smallvec::SmallVec;
+
 use super::{DynamicTree, Place};
 use crate::broad::{
     build::{Item, build},
@@ -261,7 +263,7 @@ impl DynamicTree {
     /// Builds the lowest subtree anew that is too deep for its size, from a node that is too deep upwards.
     fn rebuild_above(&mut self, cell: u16, lowest: u32) {
         let (mut top, mut height) = (lowest, 1);
-        let mut leaf_count = self.leaf_count_below(top);
+        let mut leaf_count = self.leaf_count_below(top, usize::MAX);
         while self.parents[top as usize] < ROOT && height <= depth_max(leaf_count) {
             let below = top;
             top = self.parents[top as usize] / LANES as u32;
@@ -269,7 +271,7 @@ impl DynamicTree {
             let node = self.forest.nodes[top as usize];
             for lane in node.taken() {
                 leaf_count += match node.children[lane].target() {
-                    Target::Node(other) if other != below => self.leaf_count_below(other),
+                    Target::Node(other) if other != below => self.leaf_count_below(other, usize::MAX),
                     Target::Leaf(_) => 1,
                     Target::Node(_) | Target::Nothing => 0,
                 };
@@ -281,8 +283,10 @@ impl DynamicTree {
         self.build_below(cell, parent, &mut items);
     }
 
-    fn leaf_count_below(&self, top: u32) -> usize {
-        let (mut open, mut count) = (vec![top], 0);
+    /// How many leaves there are below a node; if there are more than `most`, a number above it, found in as many steps.
+    pub(super) fn leaf_count_below(&self, top: u32, most: usize) -> usize {
+        let (mut open, mut count): (SmallVec<[u32; 64]>, usize) = (SmallVec::new(), 0);
+        open.push(top);
         while let Some(index) = open.pop() {
             for child in self.forest.nodes[index as usize].children {
                 match child.target() {
@@ -290,6 +294,10 @@ impl DynamicTree {
                     Target::Leaf(_) => count += 1,
                     Target::Nothing => {}
                 }
+            }
+            // Below each node there is a leaf at least.
+            if count + open.len() > most {
+                return count + open.len();
             }
         }
         count

@@ -10,10 +10,8 @@
 //! Rebuilding treelets in passing: Karras and Aila, "Fast Parallel Construction of High-Quality Bounding Volume Hierarchies",
 //! HPG 2013, whose treelets are chosen and optimised otherwise.
 
-use smallvec::SmallVec;
-
 use super::{DynamicTree, Place, links::ROOT};
-use crate::broad::node::{LANES, Target};
+use crate::broad::node::LANES;
 
 /// A leaf is built anew for so many that changed their place. Fewer make ticks dearer: with one for each, a move costs
 /// twice as much. More mend more slowly.
@@ -41,7 +39,7 @@ impl DynamicTree {
         let mut top = node;
         while self.parents[top as usize] < ROOT {
             let above = self.parents[top as usize] / LANES as u32;
-            if self.is_larger(above, SUBTREE_MAX) {
+            if self.leaf_count_below(above, SUBTREE_MAX) > SUBTREE_MAX {
                 break;
             }
             top = above;
@@ -51,24 +49,5 @@ impl DynamicTree {
         self.take_apart(top, &mut items);
         self.build_below(cell, parent, &mut items);
         items.len()
-    }
-
-    /// Whether there are more leaves below a node than `most`, which is found in as many steps.
-    fn is_larger(&self, top: u32, most: usize) -> bool {
-        let (mut open, mut count): (SmallVec<[u32; 64]>, usize) = (SmallVec::new(), 0);
-        open.push(top);
-        while let Some(index) = open.pop() {
-            for child in self.forest.nodes[index as usize].children {
-                match child.target() {
-                    Target::Node(below) => open.push(below),
-                    Target::Leaf(_) => count += 1,
-                    Target::Nothing => {}
-                }
-            }
-            if count + open.len() > most {
-                return true;
-            }
-        }
-        false
     }
 }
