@@ -26,7 +26,7 @@ use crate::{
 /// How long a call may wait to be admitted before it is refused: a burst gets through, an overload does not queue up.
 const ADMISSION_WAIT: Duration = Duration::from_millis(20);
 /// Calls that live for long and do their work in small pieces; they are not counted.
-const STREAMS: [&str; 1] = ["/calipers.v1.WorldService/EditStream"];
+const STREAMS: [&str; 2] = ["/calipers.v1.WorldService/EditStream", "/calipers.v1.GeometryService/UploadGeometry"];
 /// How the paths of this API begin.
 const OWN: &str = "/calipers.v1.";
 /// How tonic's refusal of a message that is too large begins.
@@ -103,12 +103,12 @@ fn with_the_code_of_a_quota(response: Response) -> Response {
 }
 
 /// Whether a status is tonic's refusal of a message that is too large.
-pub(crate) fn is_too_large(status: &Status) -> bool {
+fn is_too_large(status: &Status) -> bool {
     status.code() == Code::OutOfRange && status.message().starts_with(TOO_LARGE)
 }
 
 /// What the API says of a message that is too large.
-pub(crate) fn too_large(status: &Status) -> Status {
+fn too_large(status: &Status) -> Status {
     let what = format!(
         "the message is larger than 4 MiB, which is the most that is taken: send it in parts ({})",
         status.message()
@@ -117,6 +117,11 @@ pub(crate) fn too_large(status: &Status) -> Status {
         .with("quota", "message_bytes")
         .with("limit", crate::rpc::MESSAGE_BYTES)
         .into()
+}
+
+/// What the API says of a stream that cannot be read on.
+pub(crate) fn the_api_says(status: Status) -> Status {
+    if is_too_large(&status) { too_large(&status) } else { status }
 }
 
 fn refuse(status: Status) -> Response {

@@ -36,6 +36,8 @@ struct Held {
     sweep_at: usize,
     /// What they held when they were last counted, and all that came since.
     counted_bytes: u64,
+    /// Room for those that are being uploaded.
+    promised_bytes: u64,
 }
 
 impl Held {
@@ -65,6 +67,7 @@ impl Held {
 
     /// Whether they and `more` bytes are within the quota; counts again before it says no.
     fn check_quota(&mut self, more: u64, quota_bytes: u64) -> Checked<()> {
+        let more = self.promised_bytes + more;
         if self.counted_bytes + more <= quota_bytes {
             return Ok(());
         }
@@ -77,6 +80,19 @@ impl Held {
              raise session_memory_bytes"
         );
         Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "session_memory_bytes").with("limit", quota_bytes))
+    }
+}
+
+/// Room that is held until this is dropped.
+#[derive(Debug)]
+pub(crate) struct Room<'a> {
+    geometries: &'a Geometries,
+    bytes: u64,
+}
+
+impl Drop for Room<'_> {
+    fn drop(&mut self) {
+        self.geometries.held.lock().promised_bytes -= self.bytes;
     }
 }
 
@@ -94,6 +110,7 @@ impl Geometries {
             in_place: held.in_place.clone(),
             sweep_at: held.sweep_at,
             counted_bytes: held.counted_bytes,
+            promised_bytes: 0,
         };
         Self { held: Mutex::new(held), quota_bytes: self.quota_bytes }
     }
@@ -114,6 +131,17 @@ impl Geometries {
         held.counted_bytes += bytes;
         held.registered.insert(id, geometry.clone());
         Ok(geometry)
+    }
+
+    /// Holds room for so many bytes that are on their way.
+    ///
+    /// # Errors
+    /// The memory quota.
+    pub(crate) fn hold_room(&self, bytes: u64, world: &Snapshot) -> Checked<Room<'_>> {
+        let mut held = self.held.lock();
+        held.check_quota(bytes + shape_bytes(world.len()), self.quota_bytes)?;
+        held.promised_bytes += bytes;
+        Ok(Room { geometries: self, bytes })
     }
 
     /// The shared copy of a geometry that was written in place.

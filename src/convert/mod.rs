@@ -8,6 +8,7 @@ pub(crate) mod answer;
 pub(crate) mod columns;
 pub(crate) mod edit;
 pub(crate) mod geometry;
+pub(crate) mod lists;
 pub(crate) mod number;
 pub(crate) mod place;
 pub(crate) mod question;

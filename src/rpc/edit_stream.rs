@@ -25,7 +25,7 @@ use crate::{
         answer::sweep_hits,
         edit::{Expanded, Place, expand, fault, refused},
     },
-    gate::{is_too_large, too_large},
+    gate::the_api_says,
     problem::{Checked, Problem, Reason},
     session::Session,
     token::Role,
@@ -327,9 +327,4 @@ fn stopping() -> Problem {
         Reason::Stopping,
         "the server is stopping: send again elsewhere, or later, whatever came after acked_sequence",
     )
-}
-
-/// What the API says of a stream that cannot be read on.
-fn the_api_says(status: Status) -> Status {
-    if is_too_large(&status) { too_large(&status) } else { status }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
-use super::{Server, geometry, later};
+use super::{Server, download, geometry, upload};
 
 /// `GeometryService`.
 #[derive(Clone, Debug)]
@@ -22,9 +22,9 @@ impl pb::geometry_service_server::GeometryService for Geometries {
 
     async fn upload_geometry(
         &self,
-        _request: Request<Streaming<pb::UploadGeometryRequest>>,
+        request: Request<Streaming<pb::UploadGeometryRequest>>,
     ) -> Result<Response<pb::UploadGeometryResponse>, Status> {
-        Err(later::UPLOAD_GEOMETRY.into())
+        upload::answer(&self.0, request).await
     }
 
     async fn get_geometry(
@@ -38,9 +38,9 @@ impl pb::geometry_service_server::GeometryService for Geometries {
 
     async fn download_geometry(
         &self,
-        _request: Request<pb::DownloadGeometryRequest>,
+        request: Request<pb::DownloadGeometryRequest>,
     ) -> Result<Response<Self::DownloadGeometryStream>, Status> {
-        Err(later::DOWNLOAD_GEOMETRY.into())
+        download::answer(&self.0, request)
     }
 
     async fn list_geometries(

@@ -14,6 +14,7 @@ use crate::{
     },
     geometries::{id_text, parse_id, uses},
     problem::{Checked, Problem, Reason, Under, quoted},
+    session::Session,
     token::Role,
 };
 
@@ -34,12 +35,20 @@ pub(super) async fn create(
             let what = "is absent: say what to register, such as {\"sphere\": {\"radius\": 1}}";
             return Err(Problem::at("geometry", Reason::Missing, what));
         };
-        let geometry = registrable(form, &session.geometries).under("geometry")?;
-        let newest = session.newest();
-        let geometry = session.geometries.register(geometry, &newest)?;
-        info_out(&geometry, uses(&newest, std::slice::from_ref(&geometry))[0])
+        register(&session, form)
     });
     Ok(Response::new(pb::CreateGeometryResponse { geometry: Some(info.await?) }))
+}
+
+/// Registers a geometry that came whole, and says what it is.
+///
+/// # Errors
+/// As [`create`].
+pub(super) fn register(session: &Session, form: &pb::Geometry) -> Checked<pb::GeometryInfo> {
+    let geometry = registrable(form, &session.geometries).under("geometry")?;
+    let newest = session.newest();
+    let geometry = session.geometries.register(geometry, &newest)?;
+    info_out(&geometry, uses(&newest, std::slice::from_ref(&geometry))[0])
 }
 
 /// Says how a geometry stands. All are ready at once, so `wait` never waits.

@@ -33,12 +33,6 @@ macro_rules! later {
 }
 
 later! {
-    UPLOAD_GEOMETRY = "UploadGeometry"
-        will "take a geometry of more than 4 MiB in chunks"
-        meanwhile "cut it into meshes that fit into one CreateGeometry message each";
-    DOWNLOAD_GEOMETRY = "DownloadGeometry"
-        will "send a registered geometry back"
-        meanwhile "keep the form that you created; GetGeometry says its bounds and counts";
     WATCH_OVERLAPS = "WatchOverlaps"
         will "report which overlaps begin and end"
         meanwhile "ask Overlap after each tick, with read_at.min_tick";

@@ -5,6 +5,7 @@ mod batch;
 mod create_session;
 mod describe_world;
 mod distance;
+mod download;
 mod edit;
 mod edit_stream;
 mod fork_session;
@@ -22,6 +23,7 @@ mod session;
 mod sessions;
 mod time_of_impact;
 mod update_world;
+mod upload;
 mod worlds;
 
 use std::{pin::Pin, sync::Arc, time::Duration};

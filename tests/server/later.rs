@@ -18,9 +18,6 @@ macro_rules! refused {
 async fn calls_of_later_versions_say_what_to_use_meanwhile() {
     let mut bench = Bench::start().await;
     refused! { bench,
-        geometries.upload_geometry(tokio_stream::once(pb::UploadGeometryRequest::default()))
-            says "UploadGeometry", "CreateGeometry";
-        geometries.download_geometry(pb::DownloadGeometryRequest::default()) says "DownloadGeometry", "GetGeometry";
         worlds.watch_overlaps(pb::WatchOverlapsRequest::default()) says "WatchOverlaps", "min_tick";
         worlds.watch_world(pb::WatchWorldRequest::default()) says "WatchWorld", "ListShapes";
         worlds.export_world(pb::ExportWorldRequest::default()) says "ExportWorld", "ListShapes";

@@ -19,4 +19,5 @@ mod questions;
 mod reading;
 mod sessions;
 mod tokens;
+mod uploads;
 mod versions;

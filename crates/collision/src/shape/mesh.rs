@@ -117,6 +117,21 @@ impl Mesh {
         }
     }
 
+    /// How many triangles were sent, those without area among them.
+    #[must_use]
+    pub fn sent_count(&self) -> usize {
+        self.triangles_sent
+    }
+
+    /// The kept triangle that was sent with a number; `None` if it was left out.
+    #[must_use]
+    pub fn kept_number(&self, sent_number: u32) -> Option<usize> {
+        if self.sent_numbers.is_empty() {
+            return usize::try_from(sent_number).ok().filter(|&index| index < self.triangles.len());
+        }
+        self.sent_numbers.binary_search(&sent_number).ok()
+    }
+
     /// The box of a kept triangle, exact.
     #[must_use]
     pub fn triangle_bounds(&self, index: usize) -> Aabb {

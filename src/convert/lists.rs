@@ -1,0 +1,85 @@
+//! The long lists of a geometry, which are sent back in chunks.
+
+use std::ops::Range;
+
+use collision::shape::{Convex, Core, Form, Geometry, Hull, Mesh};
+use wire::v1::{self as pb, geometry::Kind};
+
+use super::geometry::geometry_out;
+
+/// How many numbers there are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lists {
+    /// Coordinates.
+    pub(crate) value_count: usize,
+    /// Indices.
+    pub(crate) index_count: usize,
+}
+
+impl Lists {
+    /// The lists of a geometry; those of a kind that one message holds are empty.
+    pub(crate) fn of(geometry: &Geometry) -> Self {
+        let (value_count, index_count) = match (hull_of(geometry), mesh_of(geometry)) {
+            (Some(hull), _) => (3 * hull.vertices().len(), 0),
+            (None, Some(mesh)) => (3 * mesh.vertices().len(), 3 * mesh.sent_count()),
+            (None, None) => (0, 0),
+        };
+        Self { value_count, index_count }
+    }
+
+    /// Some of the coordinates, rounded to single precision: those that were sent are back as they came.
+    pub(crate) fn values(self, geometry: &Geometry, range: Range<usize>) -> Vec<f32> {
+        let points = match (hull_of(geometry), mesh_of(geometry)) {
+            (Some(hull), _) => hull.vertices(),
+            (None, Some(mesh)) => mesh.vertices(),
+            (None, None) => &[],
+        };
+        range.map(|number| points[number / 3][number % 3] as f32).collect()
+    }
+
+    /// Some of the indices. Triangles that were left out are back as three times the first vertex, so that the others keep
+    /// the numbers they were sent with.
+    pub(crate) fn indices(self, geometry: &Geometry, range: Range<usize>) -> Vec<u32> {
+        let Some(mesh) = mesh_of(geometry) else { return Vec::new() };
+        let corner = |number: usize| {
+            let kept = u32::try_from(number / 3).ok().and_then(|sent| mesh.kept_number(sent));
+            kept.map_or(0, |kept| mesh.triangles()[kept][number % 3])
+        };
+        range.map(corner).collect()
+    }
+}
+
+/// What comes before the lists.
+pub(crate) fn header_out(geometry: &Geometry, lists: Lists) -> pb::GeometryHeader {
+    let form = match geometry.form() {
+        Form::Convex(Convex { core: Core::Hull(_), radius }) => {
+            let kind = Some(Kind::Hull(pb::ConvexHull { points: Vec::new() }));
+            pb::Geometry { kind, rounding: *radius, scale: None }
+        }
+        Form::Mesh(_) => {
+            let mode = pb::MeshMode::TwoSided.into();
+            let kind = Some(Kind::Mesh(pb::TriangleMesh { mode, ..pb::TriangleMesh::default() }));
+            pb::Geometry { kind, ..pb::Geometry::default() }
+        }
+        Form::Convex(_) | Form::HalfSpace(_) => geometry_out(geometry),
+    };
+    pb::GeometryHeader {
+        geometry: Some(form),
+        value_count: lists.value_count as u64,
+        index_count: lists.index_count as u64,
+    }
+}
+
+fn hull_of(geometry: &Geometry) -> Option<&Hull> {
+    match geometry.form() {
+        Form::Convex(Convex { core: Core::Hull(hull), .. }) => Some(hull),
+        Form::Convex(_) | Form::Mesh(_) | Form::HalfSpace(_) => None,
+    }
+}
+
+fn mesh_of(geometry: &Geometry) -> Option<&Mesh> {
+    match geometry.form() {
+        Form::Mesh(mesh) => Some(mesh),
+        Form::Convex(_) | Form::HalfSpace(_) => None,
+    }
+}

@@ -1,0 +1,66 @@
+//! `DownloadGeometry`: a registered geometry as a header and chunks, which `UploadGeometry` takes back.
+
+use std::sync::Arc;
+
+use collision::shape::Geometry;
+use tokio::{sync::mpsc, time::timeout};
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Request, Response, Status};
+use wire::v1::{self as pb, geometry_piece::Piece};
+
+use super::{Answers, Caller, READER_PATIENCE, Server};
+use crate::{
+    convert::lists::{Lists, header_out},
+    token::Role,
+};
+
+/// Numbers of a chunk: 1 MiB.
+const NUMBERS: usize = 1 << 18;
+/// Messages that wait for a reader.
+const UNREAD_MESSAGES: usize = 2;
+
+/// Sends a geometry back.
+///
+/// # Errors
+/// There is no such geometry.
+pub(super) fn answer(
+    server: &Server,
+    request: Request<pb::DownloadGeometryRequest>,
+) -> Result<Response<Answers<pb::DownloadGeometryResponse>>, Status> {
+    let caller = Caller::of(&request);
+    let sent = request.into_inner();
+    let session = server.enter(&caller, &sent.session, Role::Reader)?;
+    let geometry = session.geometries.get(&sent.geometry_id)?;
+    let (parts, unread) = mpsc::channel(UNREAD_MESSAGES);
+    tokio::spawn(async move {
+        let lists = Lists::of(&geometry);
+        if !is_taken(&parts, Piece::Header(header_out(&geometry, lists))).await {
+            return;
+        }
+        for chunk in chunks(&geometry, lists) {
+            if !is_taken(&parts, Piece::Chunk(chunk)).await {
+                return;
+            }
+        }
+    });
+    Ok(Response::new(Box::pin(ReceiverStream::new(unread))))
+}
+
+/// Whether the reader has room for a piece before its time is over, and is there at all.
+async fn is_taken(parts: &mpsc::Sender<Result<pb::DownloadGeometryResponse, Status>>, piece: Piece) -> bool {
+    let piece = pb::DownloadGeometryResponse { piece: Some(pb::GeometryPiece { piece: Some(piece) }) };
+    matches!(timeout(READER_PATIENCE, parts.send(Ok(piece))).await, Ok(Ok(())))
+}
+
+/// The numbers, piece by piece: first all values, then all indices.
+fn chunks(geometry: &Arc<Geometry>, lists: Lists) -> impl Iterator<Item = pb::GeometryChunk> {
+    let steps = |count: usize| (0..count).step_by(NUMBERS).map(move |begin| begin..count.min(begin + NUMBERS));
+    let values = steps(lists.value_count).map({
+        let geometry = geometry.clone();
+        move |range| pb::GeometryChunk { values: lists.values(&geometry, range), indices: Vec::new() }
+    });
+    let geometry = geometry.clone();
+    let indices = steps(lists.index_count)
+        .map(move |range| pb::GeometryChunk { values: Vec::new(), indices: lists.indices(&geometry, range) });
+    values.chain(indices)
+}
