@@ -4,36 +4,39 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use calipers_client::{geometry, proto, shape};
+use calipers_client::{Client, geometry, proto, shape};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use prost::Message;
 
 use super::Failure;
 use super::input::Triple;
-use super::obj::{self, Triangles};
+use super::mesh_file::{self, Triangles, Unit, Up};
 use super::print;
 use super::target::Target;
 
-/// Time for the server to take in the largest mesh that fits into a message.
+/// Time for the server to answer what is not the upload.
 const DEADLINE: Duration = Duration::from_secs(60);
-/// The largest message that the API allows.
-const MESSAGE_BYTES_MAX: usize = 4 << 20;
 
-/// Puts a triangle mesh from a Wavefront OBJ file into a world.
+/// Puts a triangle mesh from a file into a world.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: calipers load level.obj --id 7 --at 0,-1,0")]
+#[command(after_help = "Example: calipers load level.glb --id 7 --at 0,-1,0")]
 pub(crate) struct Load {
-    /// The file; polygons are cut into triangles, materials and normals are passed over
-    #[arg(value_name = "FILE.obj")]
+    /// The file: .obj, .stl, .ply, .gltf or .glb; polygons are cut into triangles, nodes placed, materials passed over
+    #[arg(value_name = "FILE")]
     file: PathBuf,
+    /// What a number of the file means
+    #[arg(long, value_enum, default_value_t)]
+    unit: Unit,
+    /// The axis that points up in the file
+    #[arg(long, value_enum, default_value_t)]
+    up: Up,
     /// Id of the shape that is made of it; a shape that has this id is replaced
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     id: u64,
     /// Where the shape's origin is, in metres
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
     at: Triple,
-    /// Factor on the mesh, for files in centimetres and the like
+    /// Factor on the mesh, on top of its unit
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
     scale: Option<f64>,
     /// Only registers the geometry, and makes no shape of it
@@ -45,17 +48,14 @@ pub(crate) struct Load {
 
 impl Load {
     pub(crate) async fn run(self, out: &mut impl Write) -> Result<(), Failure> {
-        let triangles = read(&self.file)?;
-        let sent_count = triangles.indices.len() / 3;
-        let vertex_count = triangles.vertices.len() / 3;
-        let request = request(&self.file, triangles)?;
+        let triangles = read(&self.file, self.unit, self.up)?;
+        for note in &triangles.notes {
+            writeln!(out, "note: {note}")?;
+        }
+        let (sent_count, vertex_count) = (triangles.indices.len() / 3, triangles.vertices.len() / 3);
         // Connecting comes after reading: a broken file is told whether or not a server runs.
         let client = self.target.connect(DEADLINE).await?;
-        let waiting = ProgressBar::new_spinner().with_message("the server takes it in");
-        waiting.enable_steady_tick(Duration::from_millis(100));
-        let made = client.create_geometry(request).await;
-        waiting.finish_and_clear();
-        let info = made?.geometry.ok_or_else(|| Failure::new("the server did not say what it made of the mesh"))?;
+        let info = upload(&client, triangles).await?;
         report(out, &info, sent_count, vertex_count)?;
         if let Some(problem) = info.problem {
             return Err(Failure::new(format!("the server cannot use the mesh: {}", problem.message)));
@@ -71,18 +71,16 @@ impl Load {
 }
 
 /// Reads the file beside a progress bar, which is drawn on a terminal only.
-fn read(path: &Path) -> Result<Triangles, Failure> {
+fn read(path: &Path, unit: Unit, up: Up) -> Result<Triangles, Failure> {
     let length = path.metadata().map_or(0, |file| file.len());
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {bytes}/{total_bytes}")?;
-    let bar = ProgressBar::new(length).with_style(style).with_message("reading");
-    let triangles = obj::read(path, |file| bar.wrap_read(file));
+    let bar = bar(length, "reading")?;
+    let triangles = mesh_file::read(path, unit, up, |file| bar.wrap_read(file));
     bar.finish_and_clear();
     Ok(triangles?)
 }
 
-/// The message, if one message is enough.
-fn request(path: &Path, triangles: Triangles) -> Result<proto::CreateGeometryRequest, Failure> {
-    let (vertex_count, triangle_count) = (triangles.vertices.len() / 3, triangles.indices.len() / 3);
+/// Sends the mesh beside another one, which waits at its end while the server takes the mesh in.
+async fn upload(client: &Client, triangles: Triangles) -> Result<proto::GeometryInfo, Failure> {
     let mesh = proto::TriangleMesh {
         vertices: triangles.vertices,
         indices: triangles.indices,
@@ -90,18 +88,24 @@ fn request(path: &Path, triangles: Triangles) -> Result<proto::CreateGeometryReq
         decompose: None,
     };
     let kind = Some(proto::geometry::Kind::Mesh(mesh));
-    let geometry = Some(proto::Geometry { kind, ..proto::Geometry::default() });
-    let request = proto::CreateGeometryRequest { geometry, ..proto::CreateGeometryRequest::default() };
-    let found = request.encoded_len();
-    // The session's name comes on top, 65 bytes at most.
-    if found + 65 > MESSAGE_BYTES_MAX {
-        return Err(Failure::new(format!(
-            "{} has {vertex_count} vertices and {triangle_count} triangles, a message of {found} bytes; one message holds \
-             at most {MESSAGE_BYTES_MAX}, and uploads in several pieces (UploadGeometry) come with a later version",
-            path.display()
-        )));
-    }
-    Ok(request)
+    let bar = bar(0, "sending")?;
+    bar.enable_steady_tick(Duration::from_millis(100));
+    let geometry = proto::Geometry { kind, ..proto::Geometry::default() };
+    let info = client.upload(geometry, |so_far| {
+        bar.set_length(so_far.total_bytes);
+        bar.set_position(so_far.sent_bytes);
+        if so_far.sent_bytes == so_far.total_bytes {
+            bar.set_message("the server takes it in");
+        }
+    });
+    let info = info.await;
+    bar.finish_and_clear();
+    Ok(info?)
+}
+
+fn bar(length: u64, what: &'static str) -> Result<ProgressBar, Failure> {
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {bytes}/{total_bytes}")?;
+    Ok(ProgressBar::new(length).with_style(style).with_message(what))
 }
 
 fn report(

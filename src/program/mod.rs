@@ -5,7 +5,7 @@ mod demo;
 mod input;
 mod json;
 mod load;
-mod obj;
+mod mesh_file;
 mod play;
 mod print;
 mod serve;
@@ -36,7 +36,7 @@ struct Cli {
 enum Command {
     /// Runs the server until it is interrupted
     Serve(serve::Serve),
-    /// Puts a triangle mesh from a Wavefront OBJ file into a world
+    /// Puts a triangle mesh from a file (OBJ, STL, PLY, glTF) into a world
     Load(load::Load),
     /// Drives a world from a recorded trace of moves
     Play(play::Play),

@@ -74,7 +74,8 @@ fn a_broken_file_is_exit_1_with_file_and_line_and_changes_nothing() {
 }
 
 #[test]
-fn a_file_beyond_one_message_is_told_with_the_numbers() {
+fn a_file_beyond_one_message_goes_up_in_chunks() {
+    let server = Server::start(&[]);
     let mut text = String::new();
     let side = 500;
     for row in 0..side {
@@ -89,10 +90,23 @@ fn a_file_beyond_one_message_is_told_with_the_numbers() {
         }
     }
     let file = Scratch::new(".obj", text);
-    // No server is needed to say so.
-    let answer = run(&["load", file.path(), "--server", "127.0.0.1:1"]);
-    assert_eq!(answer.code, Some(1), "{answer:?}");
-    for said in ["249001 triangles", "4194304", "UploadGeometry"] {
-        assert!(answer.err.contains(said), "{answer:?}");
-    }
+    let said = run_well(&["load", file.path(), "--unit", "cm", "--server", server.address()]);
+    assert!(said.contains("249001 triangles in the file, 0 of them without area"), "{said}");
+    let hit = run_well(&["raycast", "4.986,8,4.985", "0,-1,0", "--server", server.address()]);
+    assert!(hit.contains("shape 1 at 8 m"), "{hit}");
+}
+
+#[test]
+fn a_file_of_another_format_is_turned_upright() {
+    let server = Server::start(&[]);
+    let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 1\nproperty list uchar int vertex_index\nelement edge 1\nproperty int a\nend_header\n\
+                -1 -1 3\n1 -1 3\n1 1 3\n-1 1 3\n4 0 1 2 3\n7\n";
+    let file = Scratch::new(".ply", text);
+    let said = run_well(&["load", file.path(), "--up", "z", "--server", server.address()]);
+    assert!(said.contains("note: 1 of edge passed over") && said.contains("2 triangles in the file"), "{said}");
+    let hit = run_well(&["raycast", "0.5,10,0.25", "0,-1,0", "--server", server.address()]);
+    assert!(hit.contains("shape 1 at 7 m"), "{hit}");
+    let wrong = run(&["load", "level.fbx", "--server", server.address()]);
+    assert!(wrong.code == Some(1) && wrong.err.contains(".obj, .stl, .ply, .gltf or .glb"), "{wrong:?}");
 }

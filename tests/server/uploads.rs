@@ -5,7 +5,7 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Code, Status};
 use wire::v1::{self as pb, geometry::Kind, geometry_piece::Piece};
 
-use crate::harness::{Bench, assert_refused, at, geometry, get, insert, settings, shape, sphere, with_token};
+use crate::harness::{Bench, Refusal, assert_refused, at, geometry, get, insert, settings, shape, sphere, with_token};
 
 fn piece(piece: Piece) -> pb::UploadGeometryRequest {
     pb::UploadGeometryRequest { session: String::new(), piece: Some(pb::GeometryPiece { piece: Some(piece) }) }
@@ -148,52 +148,29 @@ async fn a_wrong_upload_is_told_what_is_wrong_and_registers_nothing() {
     let good = header(empty_mesh(), 9, 3);
     let sphere = header(sphere(1.0).kind.unwrap(), 0, 0);
     let nan = [0.0, 0.0, f32::NAN, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-    let wrong: Vec<(Vec<pb::UploadGeometryRequest>, Code, &str, &str, &[&str])> = vec![
-        (vec![], Code::InvalidArgument, "MISSING", "piece.header", &["no message came", "value_count"]),
-        (vec![chunk(&corners, &[])], Code::InvalidArgument, "MISSING", "piece.header", &["has a chunk"]),
-        (vec![Default::default()], Code::InvalidArgument, "MISSING", "piece.header", &["has none"]),
-        (vec![sphere], Code::InvalidArgument, "BAD_GEOMETRY", "piece.header.geometry", &["CreateGeometry"]),
-        (vec![header(full, 9, 3)], Code::InvalidArgument, "BAD_GEOMETRY", "piece.header.geometry", &["9 numbers"]),
-        (
-            vec![header(empty_mesh(), 1 << 40, 3)],
-            Code::InvalidArgument,
-            "TOO_MANY_ITEMS",
-            "piece.header.value_count",
-            &[],
-        ),
-        (vec![good.clone()], Code::FailedPrecondition, "UPLOAD_INCOMPLETE", "", &["0 of 9 values", "0 of 3 indices"]),
-        (
-            vec![good.clone(), chunk(&corners, &[0, 1])],
-            Code::FailedPrecondition,
-            "UPLOAD_INCOMPLETE",
-            "",
-            &["9 of 9 values", "2 of 3 indices"],
-        ),
-        (
+    let invalid = |messages, refusal: Refusal| (messages, Code::InvalidArgument, refusal);
+    let incomplete = |messages, parts: &'static [&'static str]| {
+        (messages, Code::FailedPrecondition, ("UPLOAD_INCOMPLETE", "", parts))
+    };
+    let wrong: Vec<(_, _, Refusal)> = vec![
+        invalid(vec![], ("MISSING", "piece.header", &["no message came", "value_count"])),
+        invalid(vec![chunk(&corners, &[])], ("MISSING", "piece.header", &["has a chunk"])),
+        invalid(vec![Default::default()], ("MISSING", "piece.header", &["has none"])),
+        invalid(vec![sphere], ("BAD_GEOMETRY", "piece.header.geometry", &["CreateGeometry"])),
+        invalid(vec![header(full, 9, 3)], ("BAD_GEOMETRY", "piece.header.geometry", &["9 numbers"])),
+        invalid(vec![header(empty_mesh(), 1 << 40, 3)], ("TOO_MANY_ITEMS", "piece.header.value_count", &[])),
+        incomplete(vec![good.clone()], &["0 of 9 values", "0 of 3 indices"]),
+        incomplete(vec![good.clone(), chunk(&corners, &[0, 1])], &["9 of 9 values", "2 of 3 indices"]),
+        invalid(
             vec![good.clone(), chunk(&corners, &[]), chunk(&[2.0], &[])],
-            Code::InvalidArgument,
-            "TOO_MANY_ITEMS",
-            "piece.chunk.values",
-            &["to 10", "said 9"],
+            ("TOO_MANY_ITEMS", "piece.chunk.values", &["to 10", "said 9"]),
         ),
-        (vec![good.clone(), good.clone()], Code::InvalidArgument, "BAD_GEOMETRY", "piece.header", &["second time"]),
-        (vec![good.clone(), Default::default()], Code::InvalidArgument, "MISSING", "piece", &["chunk"]),
-        (
-            vec![good.clone(), chunk(&nan, &[0, 1, 2])],
-            Code::InvalidArgument,
-            "NOT_FINITE",
-            "geometry.mesh.vertices[2]",
-            &["is NaN"],
-        ),
-        (
-            vec![good, chunk(&corners, &[0, 1, 3])],
-            Code::InvalidArgument,
-            "BAD_GEOMETRY",
-            "geometry.mesh.indices[2]",
-            &["3 vertices"],
-        ),
+        invalid(vec![good.clone(), good.clone()], ("BAD_GEOMETRY", "piece.header", &["second time"])),
+        invalid(vec![good.clone(), Default::default()], ("MISSING", "piece", &["chunk"])),
+        invalid(vec![good.clone(), chunk(&nan, &[0, 1, 2])], ("NOT_FINITE", "geometry.mesh.vertices[2]", &["is NaN"])),
+        invalid(vec![good, chunk(&corners, &[0, 1, 3])], ("BAD_GEOMETRY", "geometry.mesh.indices[2]", &["3 vertices"])),
     ];
-    for (messages, code, reason, field, parts) in wrong {
+    for (messages, code, (reason, field, parts)) in wrong {
         let status = upload(&mut bench, messages).await.unwrap_err();
         assert_refused(&status, code, reason, field, parts);
     }

@@ -29,10 +29,12 @@ pub mod edit;
 mod error;
 pub mod geometry;
 pub mod shape;
+mod upload;
 mod writer;
 
 pub use client::{Bearer, Client, Secured};
 pub use error::Error;
+pub use upload::Uploaded;
 pub use writer::{EditWriter, Report, WriterOptions};
 
 /// The messages and raw stubs of the API, version 1.

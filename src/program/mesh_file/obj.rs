@@ -10,35 +10,15 @@
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use tobj::{LoadError, LoadOptions};
+use tobj::LoadOptions;
 
-/// Triangles of a file, in the order in which the file has them.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Triangles {
-    /// x, y, z of each vertex, rounded to f32.
-    pub(crate) vertices: Vec<f32>,
-    /// Three vertex numbers for each triangle.
-    pub(crate) indices: Vec<u32>,
-}
-
-/// Why a file gives no triangles.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum ObjError {
-    #[error("{} cannot be read: {source}", path.display())]
-    Read { path: PathBuf, source: io::Error },
-    #[error("{}, line {line}: {problem}", path.display())]
-    Line { path: PathBuf, line: usize, problem: Problem },
-    #[error("{} has {vertex_count} vertices and no faces, so there are no triangles to load", path.display())]
-    NoFaces { path: PathBuf, vertex_count: usize },
-    #[error("{} is no Wavefront OBJ file that can be understood ({source})", path.display())]
-    Other { path: PathBuf, source: LoadError },
-}
+use super::{Format, MeshFileError, Triangles};
 
 /// What is wrong with a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Problem {
+enum Problem {
     NotText,
     Coordinate { found: String },
     FewCoordinates { count: usize },
@@ -62,23 +42,20 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Reads a file. `watch` wraps the reader, so that the caller can show how far it is.
+/// The triangles of a file.
 ///
 /// # Errors
-/// A file that cannot be read, is broken, or has no faces.
-pub(crate) fn read<R: Read>(path: &Path, watch: impl FnOnce(File) -> R) -> Result<Triangles, ObjError> {
-    let refuse = |source| ObjError::Read { path: path.to_owned(), source };
-    let file = File::open(path).map_err(refuse)?;
+/// A broken line.
+pub(super) fn read(path: &Path, file: impl Read) -> Result<Triangles, MeshFileError> {
     let options = LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..LoadOptions::default() };
     // Materials do not matter here, so that a missing material file must not be an error.
     let no_materials = |_: &Path| Ok(Default::default());
-    let (models, _) = match tobj::load_obj_buf(&mut BufReader::new(watch(file)), &options, no_materials) {
+    let (models, _) = match tobj::load_obj_buf(&mut BufReader::new(file), &options, no_materials) {
         Ok(read) => read,
         Err(source) => {
-            return Err(match first_wrong_line(path)? {
-                Some((line, problem)) => ObjError::Line { path: path.to_owned(), line, problem },
-                None => ObjError::Other { path: path.to_owned(), source },
-            });
+            let problem = source.to_string();
+            let other = MeshFileError::Broken { path: path.to_owned(), format: Format::Obj, problem };
+            return Err(first_wrong_line(path)?.unwrap_or(other));
         }
     };
     let mut triangles = Triangles::default();
@@ -91,21 +68,22 @@ pub(crate) fn read<R: Read>(path: &Path, watch: impl FnOnce(File) -> R) -> Resul
     if is_usable {
         return Ok(triangles);
     }
-    match first_wrong_line(path)? {
-        Some((line, problem)) => Err(ObjError::Line { path: path.to_owned(), line, problem }),
-        None => Err(ObjError::NoFaces { path: path.to_owned(), vertex_count: count_vertices(path)? }),
-    }
+    let no_faces = MeshFileError::NoFaces { path: path.to_owned(), vertex_count: count_vertices(path)? };
+    Err(first_wrong_line(path)?.unwrap_or(no_faces))
 }
 
 /// The first line, counted from 1, that is not as it must be.
-fn first_wrong_line(path: &Path) -> Result<Option<(usize, Problem)>, ObjError> {
-    let refuse = |source| ObjError::Read { path: path.to_owned(), source };
+fn first_wrong_line(path: &Path) -> Result<Option<MeshFileError>, MeshFileError> {
+    let refuse = |source| MeshFileError::Read { path: path.to_owned(), source };
+    let wrong = |index: usize, problem: Problem| {
+        Some(MeshFileError::Line { path: path.to_owned(), line: index + 1, problem: problem.to_string() })
+    };
     let mut vertex_count = 0;
     for (index, line) in BufReader::new(File::open(path).map_err(refuse)?).lines().enumerate() {
         let line = match line {
             Ok(line) => line,
             Err(error) if error.kind() == io::ErrorKind::InvalidData => {
-                return Ok(Some((index + 1, Problem::NotText)));
+                return Ok(wrong(index, Problem::NotText));
             }
             Err(error) => return Err(refuse(error)),
         };
@@ -119,14 +97,14 @@ fn first_wrong_line(path: &Path) -> Result<Option<(usize, Problem)>, ObjError> {
             _ => None,
         };
         if let Some(problem) = problem {
-            return Ok(Some((index + 1, problem)));
+            return Ok(wrong(index, problem));
         }
     }
     Ok(None)
 }
 
-fn count_vertices(path: &Path) -> Result<usize, ObjError> {
-    let refuse = |source| ObjError::Read { path: path.to_owned(), source };
+fn count_vertices(path: &Path) -> Result<usize, MeshFileError> {
+    let refuse = |source| MeshFileError::Read { path: path.to_owned(), source };
     let mut count = 0;
     for line in BufReader::new(File::open(path).map_err(refuse)?).lines() {
         if line.map_err(refuse)?.split_whitespace().next() == Some("v") {
@@ -167,29 +145,20 @@ fn wrong_face<'a>(words: impl Iterator<Item = &'a str>, vertex_count: usize) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
-    fn read_text(name: &str, text: &[u8]) -> Result<Triangles, ObjError> {
-        let path = std::env::temp_dir().join(format!("calipers-obj-{name}-{}.obj", std::process::id()));
-        std::fs::write(&path, text).expect("the folder for temporary files is writable");
-        let triangles = read(&path, |file| file);
-        std::fs::remove_file(&path).expect("the file was just written");
-        triangles
-    }
+    use super::super::tests::{corners, read_bytes};
 
     #[test]
     fn faces_keep_their_order_over_objects_and_polygons_become_triangles() {
         let text = b"o one\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\no two\nv 0 0 1\nf -1 1//9 2/3\n";
-        let triangles = read_text("order", text).expect("the file is whole");
-        let corner = |index: u32| triangles.vertices[3 * index as usize..][..3].to_vec();
-        let corners: Vec<_> = triangles.indices.iter().map(|&index| corner(index)).collect();
+        let corners = corners(&read_bytes("order.obj", text).expect("the file is whole"));
         let (a, b, c, d, e) = ([0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [0., 0., 1.]);
         assert_eq!(corners, [a, b, c, a, c, d, e, a, b]);
     }
 
     #[test]
     fn vertices_are_rounded_to_single_precision() {
-        let triangles = read_text("round", b"v 0.1 16777217 -3e-5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("it is whole");
+        let triangles =
+            read_bytes("round.obj", b"v 0.1 16777217 -3e-5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("it is whole");
         assert_eq!(triangles.vertices[..3], [0.1_f32, 16_777_216.0, -3e-5]);
     }
 
@@ -207,11 +176,11 @@ mod tests {
             ("corner", "f 1 2 x\n", "line 4:", "no corner"),
             ("empty", "", "no faces", "3 vertices"),
         ] {
-            let sentence = read_text(name, format!("{corners}{rest}").as_bytes()).unwrap_err().to_string();
+            let sentence =
+                read_bytes(&format!("{name}.obj"), format!("{corners}{rest}").as_bytes()).unwrap_err().to_string();
             assert!(sentence.contains(line) && sentence.contains(said), "{name}: {sentence}");
         }
-        let sentence = read_text("binary", b"v 0 0 0\n\xff\xfe\x00\x01").unwrap_err().to_string();
+        let sentence = read_bytes("binary.obj", b"v 0 0 0\n\xff\xfe\x00\x01").unwrap_err().to_string();
         assert!(sentence.contains("not text"), "{sentence}");
-        assert!(read(Path::new("/nowhere.obj"), |file| file).unwrap_err().to_string().contains("cannot be read"));
     }
 }
