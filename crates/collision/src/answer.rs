@@ -99,8 +99,8 @@ pub struct Certificate {
     pub iterations: u32,
 }
 
-/// Where on a geometry.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Where on a geometry. In order of parts, then of faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Feature {
     /// Leaf of a compound, depth first, or convex part of a mesh.
     pub part: Option<u32>,

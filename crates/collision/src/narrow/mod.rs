@@ -260,6 +260,17 @@ impl Motion {
     pub fn turns(&self) -> bool {
         self.rotation_a != DVec3::ZERO || self.rotation_b != DVec3::ZERO
     }
+
+    /// The same motion with the two geometries swapped.
+    fn swapped(&self) -> Self {
+        Self {
+            displacement_a: self.displacement_b,
+            displacement_b: self.displacement_a,
+            rotation_a: self.rotation_b,
+            rotation_b: self.rotation_a,
+            initial: self.initial,
+        }
+    }
 }
 
 /// What becomes of pieces that touch at the start of a motion.

@@ -1,24 +1,34 @@
-//! The first touch of a mesh and another form, in motion.
+//! The first touch of a concave form and another form, in motion.
 
-use std::{convert::Infallible, ops::ControlFlow};
-
-use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::{
-    Side, Surface,
-    sweep::{Mover, Passage, swept},
-};
+use super::{Next, Side, in_order, next, sweep::swept};
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Verdict, Work},
-    broad::{ALL_LAYERS, Path, Tree},
-    math::Aabb,
-    narrow::{
-        ImpactTouch, Motion, Placed,
-        convex::{self, PlacedConvex},
-    },
+    answer::{Bound, Feature, Verdict, Work},
+    narrow::{ImpactTouch, Motion, Placed, convex},
 };
+
+/// The first touch of `a` and `b`, one of them concave; `None` is a proof that the way is free. An initial touch that is
+/// ignored is so piece by piece.
+pub(in crate::narrow) fn impact(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    motion: &Motion,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Option<ImpactTouch> {
+    let (a, b, is_swapped) = in_order(Side::of(a), Side::of(b));
+    let motion = if is_swapped { &motion.swapped() } else { motion };
+    let mut first = First::default();
+    first.search(a, b, &Ask { motion, accuracy }, work);
+    let Candidate { touch, feature_a } = first.winner()?;
+    if !is_swapped {
+        return Some(touch);
+    }
+    let normal_b_to_a = touch.normal_b_to_a.map(|normal| glam::DVec3::ZERO - normal);
+    Some(ImpactTouch { normal_b_to_a, feature_b: feature_a, ..touch })
+}
 
 /// What is asked of each pair of pieces.
 #[derive(Clone, Copy)]
@@ -27,94 +37,16 @@ struct Ask<'a> {
     accuracy: &'a Accuracy,
 }
 
-/// The first touch of `a` and `b`, one of them a mesh; `None` is a proof that the way is free. An initial touch that is
-/// ignored is so triangle by triangle.
-pub(in crate::narrow) fn impact(
-    a: Placed<'_>,
-    b: Placed<'_>,
-    motion: &Motion,
-    accuracy: &Accuracy,
-    work: &mut Work,
-) -> Option<ImpactTouch> {
-    let ask = Ask { motion, accuracy };
-    let mut first = First::default();
-    match (Side::of(a), Side::of(b)) {
-        (Side::Convex(a), Side::Convex(b)) => first.offer(ask.touch(a, b, None, work)),
-        (Side::Convex(a), Side::Surface(b)) => first.search(a, &b, &ask, work),
-        (Side::Surface(a), Side::Convex(b)) => {
-            let swept = swept(&a, &Mover::convex(&a, b), &ask.of_b());
-            along(&a, swept, first.limit, work, |work, triangle| {
-                let piece = a.piece(triangle);
-                // Named as if it were of `b`, so that of equal touches the one on the same triangle wins as with swapped roles.
-                first.offer(ask.touch(a.placed(&piece), b, a.face(triangle), work));
-                first.limit
-            });
-            let mut merged = first.merged()?;
-            merged.feature_b.face = None;
-            return Some(merged);
-        }
-        (Side::Surface(a), Side::Surface(b)) => {
-            let swept = swept(&a, &Mover::surface(&a, &b), &ask.of_b());
-            along(&a, swept, first.limit, work, |work, triangle| {
-                let piece = a.piece(triangle);
-                first.search(a.placed(&piece), &b, &ask, work);
-                first.limit
-            });
-        }
-    }
-    first.merged()
-}
-
-impl Ask<'_> {
-    /// How `a` moves, as seen by `b`.
-    fn of_a(&self) -> Passage {
-        let Motion { displacement_a, displacement_b, rotation_a, rotation_b, .. } = *self.motion;
-        Passage { way: displacement_a - displacement_b, turn: rotation_a, turn_of_mesh: rotation_b }
-    }
-
-    /// How `b` moves, as seen by `a`.
-    fn of_b(&self) -> Passage {
-        let Passage { way, turn, turn_of_mesh } = self.of_a();
-        Passage { way: -way, turn: turn_of_mesh, turn_of_mesh: turn }
-    }
-
-    fn touch(
-        &self,
-        a: PlacedConvex<'_>,
-        b: PlacedConvex<'_>,
-        face_b: Option<u32>,
-        work: &mut Work,
-    ) -> Option<ImpactTouch> {
-        let mut touch = convex::impact(a, b, self.motion, self.accuracy, work)?;
-        touch.feature_b.face = face_b;
-        Some(touch)
-    }
-}
-
-/// Visits the triangles of a mesh that a path may meet at a fraction of at most `limit`; the visitor returns the new limit.
-fn along(
-    surface: &Surface<'_>,
-    path: Path,
-    limit: f64,
-    work: &mut Work,
-    mut visit: impl FnMut(&mut Work, usize) -> f64,
-) {
-    let tree = surface.mesh.tree();
-    if path.direction == DVec3::ZERO {
-        let mover = Aabb::new(path.origin - path.reach, path.origin + path.reach);
-        let Ok(()) = tree.visit_box(mover, ALL_LAYERS, work, |work, leaf| {
-            visit(work, leaf as usize);
-            Ok::<_, Infallible>(ControlFlow::Continue(()))
-        });
-        return;
-    }
-    let Ok(()) =
-        tree.visit_ray(&path, limit, ALL_LAYERS, work, |work, leaf| Ok::<f64, Infallible>(visit(work, leaf as usize)));
+/// A touch, and where it is on the first form.
+#[derive(Clone, Copy)]
+struct Candidate {
+    touch: ImpactTouch,
+    feature_a: Feature,
 }
 
 /// All that may be the first touch.
 pub(in crate::narrow) struct First {
-    candidates: SmallVec<[ImpactTouch; 2]>,
+    candidates: SmallVec<[Candidate; 2]>,
     /// The first certain touch is not later than this.
     limit: f64,
 }
@@ -126,48 +58,73 @@ impl Default for First {
 }
 
 impl First {
-    fn search(&mut self, a: PlacedConvex<'_>, b: &Surface<'_>, ask: &Ask<'_>, work: &mut Work) {
-        let swept = swept(b, &Mover::convex(b, a), &ask.of_a());
-        along(b, swept, self.limit, work, |work, triangle| {
-            let piece = b.piece(triangle);
-            self.offer(ask.touch(a, b.placed(&piece), b.face(triangle), work));
-            self.limit
-        });
+    fn search(&mut self, a: Side<'_>, b: Side<'_>, ask: &Ask<'_>, work: &mut Work) {
+        match next(a, b) {
+            Next::Ask(a, b) => {
+                if let Some(touch) = convex::impact(a.placed, b.placed, ask.motion, ask.accuracy, work) {
+                    self.take(Candidate { touch: ImpactTouch { feature_b: b.feature, ..touch }, feature_a: a.feature });
+                }
+            }
+            Next::SplitFirst(a, b) => {
+                let path = swept(&a, &b, &ask.motion.swapped());
+                a.along(&path, self.limit, work, |piece, work| {
+                    self.search(piece, b, ask, work);
+                    self.limit
+                });
+            }
+            Next::SplitSecond(a, b) => {
+                let path = swept(&b, &a, ask.motion);
+                b.along(&path, self.limit, work, |piece, work| {
+                    self.search(a, piece, ask, work);
+                    self.limit
+                });
+            }
+        }
     }
 
     /// Takes a touch, unless another is surely before it.
     pub(in crate::narrow) fn offer(&mut self, touch: Option<ImpactTouch>) {
-        let Some(touch) = touch.filter(|touch| touch.certificate.bound.lower <= self.limit) else {
+        if let Some(touch) = touch {
+            self.take(Candidate { touch, feature_a: Feature::default() });
+        }
+    }
+
+    fn take(&mut self, found: Candidate) {
+        let certificate = &found.touch.certificate;
+        if certificate.bound.lower > self.limit {
             return;
-        };
-        if touch.certificate.verdict == Verdict::Hit {
-            self.limit = self.limit.min(touch.certificate.bound.upper);
+        }
+        if certificate.verdict == Verdict::Hit {
+            self.limit = self.limit.min(certificate.bound.upper);
         }
         let limit = self.limit;
-        self.candidates.push(touch);
-        self.candidates.retain(|known| known.certificate.bound.lower <= limit);
+        self.candidates.push(found);
+        self.candidates.retain(|known| known.touch.certificate.bound.lower <= limit);
     }
 
     /// The earliest certain touch, or else the earliest open one; its bound reaches down to whatever may come before it.
     pub(in crate::narrow) fn merged(self) -> Option<ImpactTouch> {
-        let is_certain = |touch: &&ImpactTouch| touch.certificate.verdict == Verdict::Hit;
-        let verdict =
-            if self.candidates.iter().any(|touch| is_certain(&touch)) { Verdict::Hit } else { Verdict::Undecided };
-        let those = || self.candidates.iter().filter(|touch| touch.certificate.verdict == verdict);
-        let lower = self.candidates.iter().map(|touch| touch.certificate.bound.lower);
-        let lower = lower.fold(f64::INFINITY, f64::min);
-        let upper = those().map(|touch| touch.certificate.bound.upper);
+        self.winner().map(|winner| winner.touch)
+    }
+
+    fn winner(self) -> Option<Candidate> {
+        let touches = || self.candidates.iter().map(|candidate| &candidate.touch);
+        let is_certain = touches().any(|touch| touch.certificate.verdict == Verdict::Hit);
+        let verdict = if is_certain { Verdict::Hit } else { Verdict::Undecided };
+        let those = || self.candidates.iter().filter(|candidate| candidate.touch.certificate.verdict == verdict);
+        let lower = touches().map(|touch| touch.certificate.bound.lower).fold(f64::INFINITY, f64::min);
+        let upper = those().map(|candidate| candidate.touch.certificate.bound.upper);
         let upper = match verdict {
             Verdict::Hit => upper.fold(f64::INFINITY, f64::min),
             Verdict::Undecided | Verdict::Miss => upper.fold(f64::NEG_INFINITY, f64::max),
         };
         let winner = those().min_by(|a, b| {
-            let by_face = a.feature_b.face.cmp(&b.feature_b.face);
-            a.fraction.total_cmp(&b.fraction).then(by_face)
+            let pieces = |found: &Candidate| (found.feature_a, found.touch.feature_b);
+            a.touch.fraction.total_cmp(&b.touch.fraction).then_with(|| pieces(a).cmp(&pieces(b)))
         });
-        let mut merged = *winner?;
-        merged.certificate.bound = Bound::new(lower, upper);
-        merged.fraction = merged.fraction.clamp(lower, upper);
-        Some(merged)
+        let mut winner = *winner?;
+        winner.touch.certificate.bound = Bound::new(lower, upper);
+        winner.touch.fraction = winner.touch.fraction.clamp(lower, upper);
+        Some(winner)
     }
 }

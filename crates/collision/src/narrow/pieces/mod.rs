@@ -1,109 +1,119 @@
-//! Meshes in pairs: a mesh is asked as its triangles, each of them a convex piece, and its tree says which.
+//! Concave forms in pairs: such a form is asked as its convex pieces, and its tree says which.
 //!
 //! # Method
-//! The other form's box is taken into the mesh's own frame, where the tree searches for triangles; a convex kernel answers
-//! for each. Of two meshes the first is searched for triangles near the second's box, then the second for triangles near
-//! each of those. What may be first is gathered, and merged by intervals: certain answers bound, open ones only widen.
+//! A concave form offers its pieces by a box, along a path and nearest first ([`Concave`]). The other form's box is taken into
+//! the concave form's own frame, where its tree searches; a convex kernel answers for each piece. Of two concave forms one
+//! is searched for pieces near the other's box, then each of those is asked against the other. What may be first is gathered,
+//! and merged by intervals: certain answers bound, open ones only widen.
 //!
 //! # Limits
 //! A mesh is a surface: what lies wholly inside a closed one does not touch it.
 
+mod concave;
 mod distance;
 mod impact;
 mod overlap;
+mod penetration;
 mod sweep;
 
-use glam::DVec3;
-
+use self::concave::Concave;
 pub(super) use self::{
     distance::distance,
     impact::{First, impact},
-    overlap::{overlap, penetration},
+    overlap::overlap,
+    penetration::penetration,
 };
 use super::{Placed, convex::PlacedConvex};
 use crate::{
+    answer::Feature,
     math::{Aabb, Pose},
-    shape::{Convex, Core, Form, Mesh},
-    tolerance,
+    shape::Form,
 };
 
-/// A mesh at a pose.
+/// What a form is in a pair; a piece of a concave form is one too.
 #[derive(Clone, Copy)]
-struct Surface<'a> {
-    mesh: &'a Mesh,
-    whole: Placed<'a>,
+enum Side<'a> {
+    Convex(Piece<'a>),
+    Concave(Concave<'a>),
 }
 
-/// What a form is in a pair.
-enum Side<'a> {
-    Convex(PlacedConvex<'a>),
-    Surface(Surface<'a>),
+/// A convex form, whole or one of the pieces of another.
+#[derive(Clone, Copy)]
+struct Piece<'a> {
+    placed: PlacedConvex<'a>,
+    /// Which piece it is.
+    feature: Feature,
 }
 
 impl<'a> Side<'a> {
     fn of(placed: Placed<'a>) -> Self {
         match placed.geometry.form() {
-            Form::Convex(convex) => Self::Convex(PlacedConvex { convex, pose: placed.pose }),
-            Form::Mesh(mesh) => Self::Surface(Surface { mesh, whole: placed }),
+            Form::Convex(convex) => {
+                Self::Convex(Piece { placed: PlacedConvex { convex, pose: placed.pose }, feature: Feature::default() })
+            }
+            Form::Mesh(mesh) => Self::Concave(Concave::mesh(mesh, placed)),
             Form::HalfSpace(_) => unreachable!("half spaces have kernels of their own"),
+        }
+    }
+
+    fn pose(&self) -> &Pose {
+        match self {
+            Self::Convex(piece) => &piece.placed.pose,
+            Self::Concave(concave) => concave.pose(),
+        }
+    }
+
+    /// No point is farther from the local origin.
+    fn reach(&self) -> f64 {
+        match self {
+            Self::Convex(piece) => piece.placed.convex.reach(),
+            Self::Concave(concave) => concave.geometry().reach(),
+        }
+    }
+
+    /// Its box in its own frame.
+    fn local_bounds(&self) -> Aabb {
+        match self {
+            Self::Convex(piece) => piece.placed.convex.local_bounds(),
+            Self::Concave(concave) => concave.geometry().local_bounds(),
+        }
+    }
+
+    /// Its box if it were at another pose.
+    fn bounds_at(&self, pose: &Pose) -> Aabb {
+        match self {
+            Self::Convex(piece) => piece.placed.convex.bounds(pose),
+            Self::Concave(concave) => concave.geometry().bounds(pose),
         }
     }
 }
 
-/// Two meshes are asked in the order of their content and poses, so that swapping them swaps the answer.
-fn is_swapped(a: &Surface<'_>, b: &Surface<'_>) -> bool {
-    let key = |surface: &Surface<'_>| {
-        let pose = surface.whole.pose;
-        let [x, y, z] = pose.position.to_array();
-        let [i, j, k, w] = pose.rotation.to_array();
-        (surface.whole.geometry.id(), [x, y, z, i, j, k, w].map(f64::to_bits))
+/// The two in a fixed order, so that swapping them swaps the answer, and whether they were swapped for it: a convex form
+/// first, of two concave ones that of fewer pieces, then by content and pose.
+fn in_order<'a>(a: Side<'a>, b: Side<'a>) -> (Side<'a>, Side<'a>, bool) {
+    let is_swapped = match (&a, &b) {
+        (Side::Convex(_), _) => false,
+        (Side::Concave(_), Side::Convex(_)) => true,
+        (Side::Concave(a), Side::Concave(b)) => b.order_key() < a.order_key(),
     };
-    key(b) < key(a)
+    if is_swapped { (b, a, true) } else { (a, b, false) }
 }
 
-impl Surface<'_> {
-    /// A triangle as a convex form in the mesh's frame.
-    fn piece(&self, triangle: usize) -> Convex {
-        Convex { core: Core::Triangle(self.mesh.corners(triangle)), radius: 0.0 }
-    }
+/// What is done with a pair of sides next.
+enum Next<'a> {
+    /// A kernel is asked.
+    Ask(Piece<'a>, Piece<'a>),
+    /// The first is taken apart.
+    SplitFirst(Concave<'a>, Side<'a>),
+    /// The second is.
+    SplitSecond(Side<'a>, Concave<'a>),
+}
 
-    /// A piece where it is.
-    fn placed<'p>(&self, piece: &'p Convex) -> PlacedConvex<'p> {
-        PlacedConvex { convex: piece, pose: self.whole.pose }
-    }
-
-    /// The number of a triangle as the client knows it.
-    fn face(&self, triangle: usize) -> Option<u32> {
-        Some(self.mesh.sent_number(triangle))
-    }
-
-    /// A box in the mesh's frame that surely holds a convex form.
-    fn box_of(&self, other: PlacedConvex<'_>) -> Aabb {
-        let relative = self.relative(&other.pose);
-        let slack = self.slack(&other.pose, other.convex.reach());
-        other.convex.bounds(&relative).inflated(slack)
-    }
-
-    /// A box in the mesh's frame that surely holds another mesh.
-    fn box_of_surface(&self, other: &Surface<'_>) -> Aabb {
-        let relative = self.relative(&other.whole.pose);
-        let slack = self.slack(&other.whole.pose, other.whole.geometry.reach());
-        other.whole.geometry.bounds(&relative).inflated(slack)
-    }
-
-    /// A displacement in the world, in the mesh's axes.
-    fn displacement_in(&self, world: DVec3) -> DVec3 {
-        self.whole.pose.matrix().transpose() * world
-    }
-
-    fn relative(&self, pose: &Pose) -> Pose {
-        let to_local = self.whole.pose.unit_rotation().conjugate();
-        Pose::new(to_local * (pose.position - self.whole.pose.position), to_local * pose.unit_rotation())
-    }
-
-    /// What the relative pose may be off by, at a form of the given reach.
-    fn slack(&self, pose: &Pose, reach: f64) -> f64 {
-        let way = (pose.position - self.whole.pose.position).length();
-        tolerance::RELATIVE_POSE * (way + reach)
+/// The one rule of which side is taken apart.
+fn next<'a>(a: Side<'a>, b: Side<'a>) -> Next<'a> {
+    match (a, b) {
+        (Side::Convex(a), Side::Convex(b)) => Next::Ask(a, b),
+        (Side::Concave(a), b) => Next::SplitFirst(a, b),
+        (a, Side::Concave(b)) => Next::SplitSecond(a, b),
     }
 }
