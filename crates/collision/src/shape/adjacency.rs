@@ -9,6 +9,7 @@ pub struct Adjacency {
     first_of_edge: Vec<u32>,
     open_edges: usize,
     non_manifold_edges: usize,
+    is_closed: bool,
 }
 
 impl Adjacency {
@@ -20,11 +21,18 @@ impl Adjacency {
         };
         let mut sides: Vec<u32> = (0..).take(3 * triangles.len()).collect();
         sides.sort_unstable_by_key(|&side| (ends(side), side));
-        let mut adjacency = Self { first_of_edge: vec![0; sides.len()], sides, open_edges: 0, non_manifold_edges: 0 };
+        let mut adjacency =
+            Self { first_of_edge: vec![0; sides.len()], sides, open_edges: 0, non_manifold_edges: 0, is_closed: true };
         let mut begin = 0;
         while begin < adjacency.sides.len() {
             let edge = ends(adjacency.sides[begin]);
             let count = adjacency.sides[begin..].iter().take_while(|&&side| ends(side) == edge).count();
+            let is_up = |side: u32| {
+                let triangle = triangles[side as usize / 3];
+                triangle[side as usize % 3] < triangle[(side as usize + 1) % 3]
+            };
+            let ups = adjacency.sides[begin..begin + count].iter().filter(|&&side| is_up(side)).count();
+            adjacency.is_closed &= 2 * ups == count;
             for &side in &adjacency.sides[begin..begin + count] {
                 adjacency.first_of_edge[side as usize] = u32::try_from(begin).unwrap_or(u32::MAX);
             }
@@ -57,6 +65,12 @@ impl Adjacency {
     #[must_use]
     pub fn non_manifold_edges(&self) -> usize {
         self.non_manifold_edges
+    }
+
+    /// Whether each edge is passed as often one way as the other.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.is_closed
     }
 
     pub(super) fn memory_bytes(&self) -> usize {

@@ -18,6 +18,7 @@ mod planar;
 mod quickhull;
 mod scale;
 mod simplify;
+mod solid;
 mod topology;
 
 pub use adjacency::Adjacency;
@@ -28,4 +29,5 @@ pub use hull::Hull;
 pub use limits::{GeometryError, Limits};
 pub use mesh::{Mesh, MeshReport};
 pub use simplify::Simplified;
+pub use solid::Containment;
 pub use topology::{Edge, Face, Span, Topology};
