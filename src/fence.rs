@@ -5,6 +5,8 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
 };
 
+use futures_util::FutureExt;
+
 use crate::{
     problem::{Checked, Problem, Reason},
     token::random_hex,
@@ -16,6 +18,14 @@ use crate::{
 /// `work` panicked.
 pub(crate) fn fenced<T>(doing: &'static str, work: impl FnOnce() -> T) -> Checked<T> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| caught(doing, panic.as_ref()))
+}
+
+/// Awaits `work`; a panic in it becomes a problem. What `work` may have left half done must not be used afterwards.
+///
+/// # Errors
+/// `work` panicked.
+pub(crate) async fn fenced_async<T>(doing: &'static str, work: impl Future<Output = T>) -> Checked<T> {
+    AssertUnwindSafe(work).catch_unwind().await.map_err(|panic| caught(doing, panic.as_ref()))
 }
 
 /// What a caller is told about a panic that was caught while `doing`.

@@ -127,6 +127,14 @@ impl Problem {
         self
     }
 
+    /// The same, of an item of a call whose items have no fields of their own.
+    pub(crate) fn of_item(mut self, index: usize) -> Self {
+        if self.field.is_empty() {
+            self.what = format!("item {index}: {}", self.what);
+        }
+        self.with("item", index)
+    }
+
     /// The same, seen from the message that holds `outer`. A problem without a field stays as it is.
     pub(crate) fn under(mut self, outer: &str) -> Self {
         if !self.field.is_empty() && !outer.is_empty() {

@@ -238,7 +238,7 @@ fn interval(bound: Bound) -> Checked<pb::Interval> {
     Ok(pb::Interval { lower: side(bound.lower)?, upper: side(bound.upper)? })
 }
 
-fn verdict(verdict: Verdict) -> pb::Verdict {
+pub(super) fn verdict(verdict: Verdict) -> pb::Verdict {
     match verdict {
         Verdict::Hit => pb::Verdict::Hit,
         Verdict::Miss => pb::Verdict::Miss,
@@ -270,7 +270,7 @@ fn feature(feature: Feature) -> Option<pb::Feature> {
     (part.is_some() || face.is_some()).then_some(pb::Feature { part, face })
 }
 
-fn id_or_none(id: Option<ShapeId>) -> u64 {
+pub(super) fn id_or_none(id: Option<ShapeId>) -> u64 {
     id.map_or(0, ShapeId::get)
 }
 

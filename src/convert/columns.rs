@@ -1,10 +1,18 @@
 //! Columns: one list of numbers for each component, for many items at once.
 
-use collision::{DQuat, DVec3, shape::Limits};
+use collision::{DQuat, DVec3, shape::Limits, world::ShapeId};
 use wire::v1 as pb;
 
-use super::place::{column_number, is_zero_quat, position};
+use super::{
+    number::{FROM_ZERO_TO_REACH, REACH},
+    place::{column_number, is_zero_quat, position},
+};
 use crate::problem::{Checked, Problem, Reason, Under};
+
+/// How many items there are: as many as the longest column has, each of a length and so many numbers for an item.
+pub(crate) fn item_count<const COLUMNS: usize>(columns: [(usize, usize); COLUMNS]) -> usize {
+    columns.into_iter().map(|(length, width)| length / width).max().unwrap_or(0)
+}
 
 /// A column of `WIDTH`-vectors for `n` items: one for each, one for all, or none.
 #[derive(Clone, Copy, Debug)]
@@ -59,10 +67,99 @@ impl<'a> VectorColumn<'a> {
     /// # Errors
     /// A number that is not finite or beyond the limits.
     pub(crate) fn item(&self, index: usize) -> Checked<Option<DVec3>> {
+        self.item_from(index, DVec3::ZERO)
+    }
+
+    /// The vector of an item from `origin`; `None` if the column is absent.
+    ///
+    /// # Errors
+    /// As [`VectorColumn::item`].
+    pub(crate) fn item_from(&self, index: usize, origin: DVec3) -> Checked<Option<DVec3>> {
         let Some((begin, item)) = self.0.item(index)? else {
             return Ok(None);
         };
-        in_limits(self.0.name, begin, DVec3::from_array(item)).map(Some)
+        in_limits(self.0.name, begin, origin + DVec3::from_array(item)).map(Some)
+    }
+
+    /// Where the vector of an item begins in the column.
+    pub(crate) fn place(&self, index: usize) -> usize {
+        if self.0.numbers.len() == 3 * self.0.n { 3 * index } else { 0 }
+    }
+}
+
+/// Single numbers of many items, such as factors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Numbers<'a>(Column<'a, 1>);
+
+impl<'a> Numbers<'a> {
+    /// The column `name`.
+    ///
+    /// # Errors
+    /// Its length.
+    pub(crate) fn new(name: &'static str, numbers: &'a [f32], n: usize) -> Checked<Self> {
+        Column::new(name, numbers, n).map(Self)
+    }
+
+    /// The number of an item; `None` if the column is absent.
+    ///
+    /// # Errors
+    /// It is not finite.
+    pub(crate) fn item(&self, index: usize) -> Checked<Option<f64>> {
+        Ok(self.0.item(index)?.map(|(_, [number])| number))
+    }
+}
+
+/// How far each item looks, metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Distances<'a>(Column<'a, 1>);
+
+impl<'a> Distances<'a> {
+    /// The column `name`.
+    ///
+    /// # Errors
+    /// Its length.
+    pub(crate) fn new(name: &'static str, numbers: &'a [f32], n: usize) -> Checked<Self> {
+        Column::new(name, numbers, n).map(Self)
+    }
+
+    /// The distance of an item; across every world if the column is absent.
+    ///
+    /// # Errors
+    /// It is not finite, or out of range.
+    pub(crate) fn item(&self, index: usize) -> Checked<f64> {
+        let Some((place, [distance])) = self.0.item(index)? else { return Ok(REACH) };
+        if (0.0..=REACH).contains(&distance) {
+            return Ok(distance);
+        }
+        let what = format!("is {distance}: it must be {FROM_ZERO_TO_REACH}");
+        Err(Problem::at(format!("{}[{place}]", self.0.name), Reason::OutOfLimits, what))
+    }
+}
+
+/// A shape of each item, or none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ids<'a> {
+    ids: &'a [u64],
+    n: usize,
+}
+
+impl<'a> Ids<'a> {
+    /// The column `name`.
+    ///
+    /// # Errors
+    /// Its length.
+    pub(crate) fn new(name: &'static str, ids: &'a [u64], n: usize) -> Checked<Self> {
+        if [0, 1, n].contains(&ids.len()) {
+            return Ok(Self { ids, n });
+        }
+        let what = format!("has {} ids: it must have {n} (one for each item), 1 (for all of them) or none", ids.len());
+        Err(Problem::at(name, Reason::ColumnLength, what))
+    }
+
+    /// The shape of an item.
+    pub(crate) fn item(&self, index: usize) -> Option<ShapeId> {
+        let place = if self.ids.len() == self.n { index } else { 0 };
+        self.ids.get(place).copied().and_then(ShapeId::new)
     }
 }
 

@@ -111,6 +111,14 @@ fn dressed(geometry: Geometry, sent: &pb::Geometry) -> Checked<Geometry> {
     }
 }
 
+/// The same form, larger or smaller.
+///
+/// # Errors
+/// A scale that it does not bear.
+pub(crate) fn scaled(geometry: &Geometry, scale: f64) -> Checked<Geometry> {
+    made("", geometry.clone().scaled(scale))
+}
+
 fn is_one(scale: f64) -> bool {
     (1.0..=1.0).contains(&scale)
 }

@@ -11,6 +11,8 @@ use crate::problem::{Checked, Problem, Reason};
 
 /// The longest way that a question may look along, metres: it crosses every world.
 pub(crate) const REACH: f64 = 4e12;
+/// The same, in words.
+pub(crate) const FROM_ZERO_TO_REACH: &str = "0 to 4e12 metres";
 
 const NANOS_IN_SECOND: i64 = 1_000_000_000;
 

@@ -14,7 +14,7 @@ use wire::v1::{self as pb, geometry::Kind, read_at::At, subject::Form};
 
 use super::{
     geometry::{is_half_space, of_question},
-    number::{REACH, at_most, count, finite, shape_id, time, unknown_enum, within},
+    number::{FROM_ZERO_TO_REACH, REACH, at_most, count, finite, shape_id, time, unknown_enum, within},
     place::{direction, pose, position},
 };
 use crate::{
@@ -26,7 +26,6 @@ use crate::{
 const EXCLUDED_IDS: usize = 1024;
 const EXCLUDED_GROUPS: usize = 64;
 const LISTED_HITS: usize = 10_000;
-const FROM_ZERO_TO_REACH: &str = "0 to 4e12 metres";
 
 /// Which version is asked for.
 ///
@@ -246,13 +245,19 @@ fn subject(sent: Option<&pb::Subject>, known: &Geometries) -> Checked<Subject> {
 /// Only what a question is asked against may be a half space.
 fn subject_with_bounds(sent: &pb::Subject, known: &Geometries) -> Checked<Subject> {
     let subject = some_subject(sent, known)?;
-    match (&subject, &sent.form) {
-        (Subject::Geometry { geometry, .. }, Some(Form::Geometry(form))) if is_half_space(geometry) => {
-            let is_named = matches!(form.kind, Some(Kind::GeometryId(_)));
-            Err(half_space_subject(if is_named { "geometry.geometry_id" } else { "geometry.half_space" }))
-        }
-        _ => Ok(subject),
+    if let (Subject::Geometry { geometry, .. }, Some(Form::Geometry(form))) = (&subject, &sent.form) {
+        check_bounded(geometry, form)?;
     }
+    Ok(subject)
+}
+
+/// Checks that what a question is about is no half space.
+pub(super) fn check_bounded(geometry: &Geometry, sent: &pb::Geometry) -> Checked<()> {
+    if !is_half_space(geometry) {
+        return Ok(());
+    }
+    let is_named = matches!(sent.kind, Some(Kind::GeometryId(_)));
+    Err(half_space_subject(if is_named { "geometry.geometry_id" } else { "geometry.half_space" }))
 }
 
 /// What is said of a subject that is a half space.
@@ -283,7 +288,7 @@ fn some_subject(sent: &pb::Subject, known: &Geometries) -> Checked<Subject> {
     }
 }
 
-fn faces(faces: i32) -> Checked<Faces> {
+pub(super) fn faces(faces: i32) -> Checked<Faces> {
     match pb::RayFaces::try_from(faces) {
         Ok(pb::RayFaces::Unspecified | pb::RayFaces::Both) => Ok(Faces::Both),
         Ok(pb::RayFaces::Front) => Ok(Faces::Front),
@@ -292,7 +297,7 @@ fn faces(faces: i32) -> Checked<Faces> {
     }
 }
 
-fn hit_mode(mode: i32, max_hits: u32) -> Checked<HitMode> {
+pub(super) fn hit_mode(mode: i32, max_hits: u32) -> Checked<HitMode> {
     let most = count("max_hits", max_hits, 256, LISTED_HITS)?;
     match pb::HitMode::try_from(mode) {
         Ok(pb::HitMode::Unspecified | pb::HitMode::Closest) => Ok(HitMode::Closest),

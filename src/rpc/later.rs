@@ -51,19 +51,4 @@ later! {
     RESOLVE = "Resolve"
         will "say how bodies in contact bounce and are pushed apart"
         meanwhile "ask Penetration, which gives the contacts with their depths and normals";
-    RAYCAST_BATCH = "RaycastBatch"
-        will "answer many rays given as columns"
-        meanwhile "ask Batch with a raycast for each ray";
-    OVERLAP_BATCH = "OverlapBatch"
-        will "test one geometry at many places given as columns"
-        meanwhile "ask Batch with an overlap for each place";
-    TIME_OF_IMPACT_BATCH = "TimeOfImpactBatch"
-        will "sweep one geometry along many ways given as columns"
-        meanwhile "ask Batch with a time_of_impact for each way";
-    DISTANCE_BATCH = "DistanceBatch"
-        will "find what is nearest to many places given as columns"
-        meanwhile "ask Batch with a distance for each place";
-    QUERY_STREAM = "QueryStream"
-        will "answer questions and batches one after the other on one stream"
-        meanwhile "ask Batch, or several unary calls at once on one connection";
 }

@@ -5,7 +5,15 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
-use super::{Server, batch, distance, later, overlap, pairs, penetration, raycast, scene::unary, time_of_impact};
+use super::{
+    Caller, Server, batch, distance, distance_batch, fitting, later, overlap, overlap_batch, pairs, penetration,
+    query_stream, raycast, raycast_batch,
+    scene::{Asking, Scene, unary},
+    time_of_impact, time_of_impact_batch,
+};
+
+/// What a caller can do about an answer that is too large.
+const FEWER: &str = "ask for fewer columns, or in several calls";
 
 /// `QueryService`.
 #[derive(Clone, Debug)]
@@ -57,43 +65,57 @@ impl pb::query_service_server::QueryService for Questions {
     }
 
     async fn batch(&self, request: Request<pb::BatchRequest>) -> Result<Response<pb::BatchResponse>, Status> {
-        batch::answer(&self.0, request).await
+        let (sent, scene) = enter(&self.0, request).await?;
+        let answer = batch::answer(&sent, &scene).await?;
+        Ok(Response::new(fitting(answer, "ask for fewer hits, or in several batches")?))
     }
 
     async fn raycast_batch(
         &self,
-        _request: Request<pb::RaycastBatchRequest>,
+        request: Request<pb::RaycastBatchRequest>,
     ) -> Result<Response<pb::RaycastBatchResponse>, Status> {
-        Err(later::RAYCAST_BATCH.into())
+        let (sent, scene) = enter(&self.0, request).await?;
+        Ok(Response::new(fitting(raycast_batch::answer(&sent, &scene).await?, FEWER)?))
     }
 
     async fn overlap_batch(
         &self,
-        _request: Request<pb::OverlapBatchRequest>,
+        request: Request<pb::OverlapBatchRequest>,
     ) -> Result<Response<pb::OverlapBatchResponse>, Status> {
-        Err(later::OVERLAP_BATCH.into())
+        let (sent, scene) = enter(&self.0, request).await?;
+        Ok(Response::new(fitting(overlap_batch::answer(&sent, &scene).await?, FEWER)?))
     }
 
     async fn time_of_impact_batch(
         &self,
-        _request: Request<pb::TimeOfImpactBatchRequest>,
+        request: Request<pb::TimeOfImpactBatchRequest>,
     ) -> Result<Response<pb::TimeOfImpactBatchResponse>, Status> {
-        Err(later::TIME_OF_IMPACT_BATCH.into())
+        let (sent, scene) = enter(&self.0, request).await?;
+        Ok(Response::new(fitting(time_of_impact_batch::answer(&sent, &scene).await?, FEWER)?))
     }
 
     async fn distance_batch(
         &self,
-        _request: Request<pb::DistanceBatchRequest>,
+        request: Request<pb::DistanceBatchRequest>,
     ) -> Result<Response<pb::DistanceBatchResponse>, Status> {
-        Err(later::DISTANCE_BATCH.into())
+        let (sent, scene) = enter(&self.0, request).await?;
+        Ok(Response::new(fitting(distance_batch::answer(&sent, &scene).await?, FEWER)?))
     }
 
     type QueryStreamStream = super::Answers<pb::QueryStreamResponse>;
 
     async fn query_stream(
         &self,
-        _request: Request<Streaming<pb::QueryStreamRequest>>,
+        request: Request<Streaming<pb::QueryStreamRequest>>,
     ) -> Result<Response<Self::QueryStreamStream>, Status> {
-        Err(later::QUERY_STREAM.into())
+        Ok(Response::new(query_stream::open(self.0.clone(), request)))
     }
+}
+
+/// A request with columns or many questions, and what it is asked in.
+async fn enter<Q: Asking>(server: &Server, request: Request<Q>) -> Result<(Q, Scene), Status> {
+    let caller = Caller::of(&request);
+    let sent = request.into_inner();
+    let scene = Scene::of(server, &caller, &sent).await?;
+    Ok((sent, scene))
 }

@@ -76,8 +76,21 @@ impl Scene {
     /// # Errors
     /// Who may not read the session; a version that is not held.
     pub(super) async fn of(server: &Server, caller: &Caller, asked: &impl Asking) -> Checked<Self> {
-        let session = server.enter(caller, asked.session(), Role::Reader)?;
-        let read_at = asked.options().and_then(|options| options.read_at.as_ref());
+        Self::enter(server, caller, asked.session(), asked.options()).await
+    }
+
+    /// That of a session, at the version that the options name.
+    ///
+    /// # Errors
+    /// As [`Scene::of`].
+    pub(super) async fn enter(
+        server: &Server,
+        caller: &Caller,
+        session: &str,
+        options: Option<&pb::QueryOptions>,
+    ) -> Checked<Self> {
+        let session = server.enter(caller, session, Role::Reader)?;
+        let read_at = options.and_then(|options| options.read_at.as_ref());
         let read_at = question::read_at(read_at).under("options.read_at")?;
         Ok(Self {
             snapshot: session.pin(read_at, caller.deadline).await.under("options")?,
@@ -148,7 +161,13 @@ asking!(
     pb::PenetrationRequest,
     pb::TimeOfImpactRequest,
     pb::DistanceRequest,
-    pb::PairsRequest
+    pb::MoveCharacterRequest,
+    pb::PairsRequest,
+    pb::BatchRequest,
+    pb::RaycastBatchRequest,
+    pb::OverlapBatchRequest,
+    pb::TimeOfImpactBatchRequest,
+    pb::DistanceBatchRequest
 );
 
 /// Answers a unary question.

@@ -24,10 +24,5 @@ async fn calls_of_later_versions_say_what_to_use_meanwhile() {
         worlds.import_world(tokio_stream::once(pb::ImportWorldRequest::default())) says "ImportWorld", "EditStream";
         questions.move_character(pb::MoveCharacterRequest::default()) says "MoveCharacter", "TimeOfImpact";
         questions.resolve(pb::ResolveRequest::default()) says "Resolve", "Penetration";
-        questions.raycast_batch(pb::RaycastBatchRequest::default()) says "RaycastBatch", "Batch";
-        questions.overlap_batch(pb::OverlapBatchRequest::default()) says "OverlapBatch", "Batch";
-        questions.time_of_impact_batch(pb::TimeOfImpactBatchRequest::default()) says "TimeOfImpactBatch", "Batch";
-        questions.distance_batch(pb::DistanceBatchRequest::default()) says "DistanceBatch", "Batch";
-        questions.query_stream(tokio_stream::once(pb::QueryStreamRequest::default())) says "QueryStream", "Batch";
     }
 }

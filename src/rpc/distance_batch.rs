@@ -1,0 +1,32 @@
+//! `DistanceBatch`: what is nearest to one geometry at many places, as columns.
+
+use collision::world::{Distance, Subject};
+use wire::v1 as pb;
+
+use super::{items::Items, scene::Scene};
+use crate::{
+    convert::{columns::Distances, hit_columns::Hits, places::Places},
+    problem::Checked,
+};
+
+/// Answers it on the scene's version.
+///
+/// # Errors
+/// A wrong column or item, the deadline.
+pub(super) async fn answer(sent: &pb::DistanceBatchRequest, scene: &Scene) -> Checked<pb::DistanceBatchResponse> {
+    let (geometry, poses, known) = (sent.geometry.as_ref(), sent.poses.as_ref(), &scene.session.geometries);
+    let mut places = Places::new(geometry, poses, &[], sent.max_distances.len(), known)?;
+    let max_distances = Distances::new("max_distances", &sent.max_distances, places.len())?;
+    let mut items = Items::of(sent, scene)?;
+    let mut hits = Hits::new(sent.want.as_ref(), places.frame_origin(), places.len());
+    for index in 0..places.len() {
+        let (geometry, pose) = places.item(index)?;
+        let max_distance = max_distances.item(index)?;
+        let question =
+            Distance { subject: Subject::Geometry { geometry, pose }, against: None, max_distance, max_hits: 1 };
+        let ask =
+            items.ask(index, None, |world, filter, accuracy, meter| world.distance(&question, filter, accuracy, meter));
+        hits.add(&ask.await?, max_distance)?;
+    }
+    Ok(pb::DistanceBatchResponse { hits: Some(hits.finish()), info: items.info() })
+}

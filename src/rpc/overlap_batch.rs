@@ -1,0 +1,30 @@
+//! `OverlapBatch`: one geometry at many places, as columns.
+
+use collision::world::{Overlap, Subject};
+use wire::v1 as pb;
+
+use super::{items::Items, scene::Scene};
+use crate::{
+    convert::{hit_columns::Touching, number::count, places::Places},
+    problem::Checked,
+};
+
+/// Answers it on the scene's version.
+///
+/// # Errors
+/// A wrong column or item, the deadline.
+pub(super) async fn answer(sent: &pb::OverlapBatchRequest, scene: &Scene) -> Checked<pb::OverlapBatchResponse> {
+    let geometries = &scene.session.geometries;
+    let mut places = Places::new(sent.geometry.as_ref(), sent.poses.as_ref(), &sent.scales, 0, geometries)?;
+    let max_hits = count("max_hits_each", sent.max_hits_each, 32, 65_536)?;
+    let mut items = Items::of(sent, scene)?;
+    let mut touching = Touching::new(places.len());
+    for index in 0..places.len() {
+        let (geometry, pose) = places.item(index)?;
+        let question = Overlap { subject: Subject::Geometry { geometry, pose }, against: None, max_hits };
+        let ask =
+            items.ask(index, None, |world, filter, accuracy, meter| world.overlap(&question, filter, accuracy, meter));
+        touching.add(&ask.await?);
+    }
+    Ok(pb::OverlapBatchResponse { info: items.info(), ..touching.finish() })
+}

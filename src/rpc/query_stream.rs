@@ -1,0 +1,128 @@
+//! `QueryStream`: questions and batches one after the other, answered in order; what fails is answered with a problem.
+//!
+//! # Method
+//! Each message is answered as its unary call would be, on the version that is the newest when its turn comes. Answers wait
+//! for their reader in a short queue: a slow one stops the reading of questions, and so, by the flow control of the
+//! connection, the client.
+
+use std::sync::Arc;
+
+use tokio::{sync::mpsc, time::timeout};
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Request, Status, Streaming};
+use wire::v1::{self as pb, query_stream_request::Request as Asked, query_stream_response::Response as Answered};
+
+use super::{
+    Answers, Caller, READER_PATIENCE, Server, batch, distance_batch, fitting, overlap_batch, question, raycast_batch,
+    scene::Scene, time_of_impact_batch, turns::Turns,
+};
+use crate::{
+    fence::fenced_async,
+    gate::the_api_says,
+    problem::{Checked, Problem, Reason, Under},
+};
+
+/// Answers that wait for a reader.
+const UNREAD_ANSWERS: usize = 256;
+
+/// Answers a stream until its client ends it.
+pub(super) fn open(
+    server: Arc<Server>,
+    request: Request<Streaming<pb::QueryStreamRequest>>,
+) -> Answers<pb::QueryStreamResponse> {
+    let caller = Caller::of(&request);
+    let (answers, unread) = mpsc::channel(UNREAD_ANSWERS);
+    tokio::spawn(async move {
+        let ended = run(&server, &caller, request.into_inner(), &answers).await;
+        if let Err(status) = ended {
+            // A client that has gone needs no reason.
+            let _ = timeout(READER_PATIENCE, answers.send(Err(status))).await;
+        }
+    });
+    Box::pin(ReceiverStream::new(unread))
+}
+
+async fn run(
+    server: &Server,
+    caller: &Caller,
+    mut messages: Streaming<pb::QueryStreamRequest>,
+    answers: &mpsc::Sender<Result<pb::QueryStreamResponse, Status>>,
+) -> Result<(), Status> {
+    let mut turns = Turns::new(caller.deadline);
+    loop {
+        let message = tokio::select! {
+            biased;
+            () = server.drain.cancelled() => {
+                let what = "the server is stopping: ask again elsewhere, or later, what was not answered";
+                return Err(Problem::new(Reason::Stopping, what).into());
+            }
+            () = answers.closed() => return Ok(()),
+            message = messages.message() => message.map_err(the_api_says)?,
+        };
+        let Some(message) = message else { return Ok(()) };
+        turns.next().await?;
+        let answer = answer(server, caller, message).await;
+        match timeout(READER_PATIENCE, answers.send(Ok(answer))).await {
+            Ok(Ok(())) => {}
+            Ok(Err(_)) => return Ok(()),
+            Err(_) => return Err(Problem::new(Reason::Overloaded, "the client took no answer for 10 s").into()),
+        }
+    }
+}
+
+/// The answer of one message, or why there is none.
+async fn answer(server: &Server, caller: &Caller, message: pb::QueryStreamRequest) -> pb::QueryStreamResponse {
+    let request_id = message.request_id;
+    let answered = match fenced_async("answering a question", answer_kind(server, caller, message)).await {
+        Ok(answered) => answered,
+        Err(problem) => Err(problem),
+    };
+    let fitted = answered.and_then(|answered| {
+        let response = pb::QueryStreamResponse { request_id, response: Some(answered) };
+        fitting(response, "ask for fewer hits, columns or items")
+    });
+    fitted.unwrap_or_else(|problem| pb::QueryStreamResponse {
+        request_id,
+        response: Some(Answered::Problem(problem.into_wire())),
+    })
+}
+
+async fn answer_kind(server: &Server, caller: &Caller, message: pb::QueryStreamRequest) -> Checked<Answered> {
+    match message.request {
+        None => {
+            let what = "is absent: it is one of question, batch, raycast_batch, overlap_batch, time_of_impact_batch, \
+                        distance_batch";
+            Err(Problem::at("request", Reason::Missing, what))
+        }
+        Some(Asked::Question(sent)) => answer_question(server, caller, &sent).await.under("question"),
+        Some(Asked::Batch(sent)) => {
+            let scene = Scene::of(server, caller, &sent).await.under("batch")?;
+            batch::answer(&sent, &scene).await.map(Answered::Batch).under("batch")
+        }
+        Some(Asked::RaycastBatch(sent)) => {
+            let scene = Scene::of(server, caller, &sent).await.under("raycast_batch")?;
+            raycast_batch::answer(&sent, &scene).await.map(Answered::RaycastBatch).under("raycast_batch")
+        }
+        Some(Asked::OverlapBatch(sent)) => {
+            let scene = Scene::of(server, caller, &sent).await.under("overlap_batch")?;
+            overlap_batch::answer(&sent, &scene).await.map(Answered::OverlapBatch).under("overlap_batch")
+        }
+        Some(Asked::TimeOfImpactBatch(sent)) => {
+            let scene = Scene::of(server, caller, &sent).await.under("time_of_impact_batch")?;
+            let answer = time_of_impact_batch::answer(&sent, &scene).await;
+            answer.map(Answered::TimeOfImpactBatch).under("time_of_impact_batch")
+        }
+        Some(Asked::DistanceBatch(sent)) => {
+            let scene = Scene::of(server, caller, &sent).await.under("distance_batch")?;
+            distance_batch::answer(&sent, &scene).await.map(Answered::DistanceBatch).under("distance_batch")
+        }
+    }
+}
+
+/// One question, which names its session and version itself.
+async fn answer_question(server: &Server, caller: &Caller, sent: &pb::Question) -> Checked<Answered> {
+    let heading = question::heading(sent)?;
+    let scene = Scene::enter(server, caller, heading.session, heading.options).await.under(heading.name)?;
+    let answer = Some(question::answer(sent, &scene)?);
+    Ok(Answered::Answer(pb::Answer { answer }))
+}

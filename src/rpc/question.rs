@@ -1,0 +1,60 @@
+//! A question of any kind, as batches and streams have them.
+
+use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
+
+use super::{
+    distance, later, overlap, penetration, raycast,
+    scene::{Asking, Scene},
+    time_of_impact,
+};
+use crate::problem::{Checked, Problem, Reason, Under};
+
+/// What a question says of itself before it asks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Heading<'a> {
+    /// The field that it is in.
+    pub(super) name: &'static str,
+    /// Its session.
+    pub(super) session: &'a str,
+    /// What applies to it.
+    pub(super) options: Option<&'a pb::QueryOptions>,
+}
+
+/// The heading of a question.
+///
+/// # Errors
+/// It asks nothing.
+pub(super) fn heading(sent: &pb::Question) -> Checked<Heading<'_>> {
+    fn of<'a>(name: &'static str, sent: &'a impl Asking) -> Checked<Heading<'a>> {
+        Ok(Heading { name, session: sent.session(), options: sent.options() })
+    }
+    match &sent.question {
+        None => {
+            let what = "is absent: it is one of raycast, overlap, penetration, time_of_impact, distance";
+            Err(Problem::at("question", Reason::Missing, what))
+        }
+        Some(Asked::Raycast(sent)) => of("raycast", sent),
+        Some(Asked::Overlap(sent)) => of("overlap", sent),
+        Some(Asked::Penetration(sent)) => of("penetration", sent),
+        Some(Asked::TimeOfImpact(sent)) => of("time_of_impact", sent),
+        Some(Asked::Distance(sent)) => of("distance", sent),
+        Some(Asked::MoveCharacter(sent)) => of("move_character", sent),
+    }
+}
+
+/// Answers it on the scene's version.
+///
+/// # Errors
+/// What is wrong with the question, the deadline.
+pub(super) fn answer(sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
+    let name = heading(sent)?.name;
+    let answered = match &sent.question {
+        Some(Asked::Raycast(sent)) => raycast::answer(sent, scene).map(Kind::Raycast),
+        Some(Asked::Overlap(sent)) => overlap::answer(sent, scene).map(Kind::Overlap),
+        Some(Asked::Penetration(sent)) => penetration::answer(sent, scene).map(Kind::Penetration),
+        Some(Asked::TimeOfImpact(sent)) => time_of_impact::answer(sent, scene).map(Kind::TimeOfImpact),
+        Some(Asked::Distance(sent)) => distance::answer(sent, scene).map(Kind::Distance),
+        Some(Asked::MoveCharacter(_)) | None => return Err(later::MOVE_CHARACTER.into()),
+    };
+    answered.under(name)
+}

@@ -1,0 +1,26 @@
+//! `RaycastBatch`: many rays, as columns.
+
+use wire::v1 as pb;
+
+use super::{items::Items, scene::Scene};
+use crate::{
+    convert::{hit_columns::Hits, rays::Rays},
+    problem::Checked,
+};
+
+/// Answers it on the scene's version.
+///
+/// # Errors
+/// A wrong column or item, the deadline.
+pub(super) async fn answer(sent: &pb::RaycastBatchRequest, scene: &Scene) -> Checked<pb::RaycastBatchResponse> {
+    let rays = Rays::new(sent)?;
+    let mut items = Items::of(sent, scene)?;
+    let mut hits = Hits::new(sent.want.as_ref(), rays.frame_origin(), rays.len());
+    for index in 0..rays.len() {
+        let (question, ignored) = rays.item(index)?;
+        let ask = items
+            .ask(index, ignored, |world, filter, accuracy, meter| world.raycast(&question, filter, accuracy, meter));
+        hits.add(&ask.await?, question.ray.max_distance)?;
+    }
+    Ok(pb::RaycastBatchResponse { hits: Some(hits.finish()), info: items.info() })
+}
