@@ -13,11 +13,39 @@ const PROTO_FILES: [&str; 5] = [
     "calipers/v1/session.proto",
 ];
 
+/// The messages that are written out in `src/columns.rs`.
+const COLUMN_MESSAGES: [&str; 15] = [
+    "PoseColumns",
+    "PairColumns",
+    "ConvexHull",
+    "TriangleMesh",
+    "HeightField",
+    "GeometryChunk",
+    "Remove",
+    "InsertColumns",
+    "MoveColumns",
+    "PairsResponse",
+    "HitColumns",
+    "RaycastBatchRequest",
+    "OverlapBatchRequest",
+    "OverlapBatchResponse",
+    "DistanceBatchRequest",
+];
+
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed={PROTO_ROOT}");
     let descriptors = protox::compile(PROTO_FILES, [PROTO_ROOT])?;
     let out_dir = PathBuf::from(env::var("OUT_DIR")?);
     fs::write(out_dir.join("calipers.bin"), descriptors.encode_to_vec())?;
-    tonic_prost_build::configure().compile_fds(descriptors)?;
+    // What the tests hold the messages with columns against: the same ones as prost writes them.
+    let reference = out_dir.join("reference");
+    fs::create_dir_all(&reference)?;
+    let messages = tonic_prost_build::configure().build_client(false).build_server(false).out_dir(reference);
+    messages.compile_fds(descriptors.clone())?;
+    let mut config = tonic_prost_build::configure().codec_path("crate::codec::ExactCodec");
+    for name in COLUMN_MESSAGES {
+        config = config.extern_path(format!(".calipers.v1.{name}"), format!("crate::columns::{name}"));
+    }
+    config.compile_fds(descriptors)?;
     Ok(())
 }
