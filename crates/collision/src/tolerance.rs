@@ -180,7 +180,8 @@ pub const FACE_HEIGHT: f64 = 16.0 * ROUNDING;
 
 /// An expanding polytope that ends wider than this leaves polytopes to the separating axes: 16 errors of a support value,
 /// where it ends within 4 unless slivers are in the way. Smaller, and exact answers are sought twice; larger, and depths
-/// are known to less than the arithmetic can tell. Pinned by the coverage runner (widths of depths).
+/// are known to less than the arithmetic can tell. A gap that settles wider than this is searched on along the normals of
+/// straight features. Pinned by the coverage runner (widths of depths), and by `tests/convex/settled.rs`.
 pub const DEPTH_WIDTH: f64 = 16.0 * PAIR_ROUNDING;
 
 /// How far two heights `v · d`, or the height of a difference of corners, may be from the exact ones, as a part of what
@@ -268,3 +269,9 @@ pub const ARC_HEIGHT: f64 = 0.617;
 /// Smaller: forms turned alike by different roundings have a circle of equal ways out that cannot be followed. Pinned by
 /// `a_capsule_on_the_axis_of_an_ellipsoid_is_as_deep_as_both_are_wide` in `tests/convex/directions.rs`.
 pub const PARALLEL_LEAN: f64 = 16.0 * ROUNDING;
+
+/// How far a normal that stands on an edge is tilted to either side, so that support points are those of the edge's two ends:
+/// 2⁻³⁰, far above the rounding of a unit vector, and the square of it, which is what a round form on the other side loses
+/// by the tilt, is far below. Larger or smaller by a few thousand changes little. Pinned by
+/// `rims_beside_edges_are_measured_to_the_last_digits` in `tests/convex/settled.rs`.
+pub const EDGE_TILT: f64 = 1.0 / 1_073_741_824.0;

@@ -13,6 +13,7 @@ mod planks;
 mod points;
 mod random;
 mod revolved;
+mod settled;
 mod simplify;
 mod support;
 mod turning;

@@ -88,12 +88,12 @@ pub(super) fn touch(pair: &Pair<'_>, ask: &Ask, seed: &mut Option<Seed>) -> Opti
             return Some(Touch::by_axes(depth, 0.0));
         }
     }
-    let gap = gjk::gap_warm(pair, seed, ask.budget, |lower, _| lower - radius > ask.max_gap);
-    touch_from(pair, &gap, ask)
+    let mut gap = gjk::gap_warm(pair, seed, ask.budget, |lower, _| lower - radius > ask.max_gap);
+    touch_from(pair, &mut gap, ask)
 }
 
 /// Depth and normal where the gap of the cores is known; `None` if that is proved to be above `max_gap`.
-fn touch_from(pair: &Pair<'_>, gap: &Gap, ask: &Ask) -> Option<Touch> {
+fn touch_from(pair: &Pair<'_>, gap: &mut Gap, ask: &Ask) -> Option<Touch> {
     let radius = pair.radius();
     if gap.lower - radius > ask.max_gap {
         return None;
@@ -102,6 +102,9 @@ fn touch_from(pair: &Pair<'_>, gap: &Gap, ask: &Ask) -> Option<Touch> {
         return Some(Touch::by_gap(gap, radius));
     }
     let mut touch = overlapping(pair, gap, ask.budget, |lower, upper| ask.is_narrow(lower, upper));
+    if gap.go_on(pair, &touch, ask.budget) {
+        return (gap.lower - radius <= ask.max_gap).then(|| Touch::by_gap(gap, radius));
+    }
     // The depth is no less than the ball around the origin that a tetrahedron of the difference holds, or, where the cores
     // may be apart, than what the gap leaves of the radii.
     let by_gap = if gap.inside > PAIR_ROUNDING { radius + gap.inside - PAIR_ROUNDING } else { radius - gap.upper };

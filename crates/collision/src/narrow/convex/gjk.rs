@@ -3,7 +3,8 @@
 //! # Method
 //! Gilbert-Johnson-Keerthi: the simplex's nearest point bounds the gap from above, the support plane across it from
 //! below. When the simplex no longer changes, the normal is taken from the features that support it (edge, face) instead
-//! of from the nearest point, whose direction loses ε·S/d of its accuracy at a gap d; so narrow gaps keep their proof.
+//! of from the nearest point, whose direction loses ε·S/d of its accuracy at a gap d; so narrow gaps keep their proof. Where
+//! that leaves more than rounding, beside round cores, the normals of straight features are tried ([`straight`]).
 //!
 //! # Source
 //! Gilbert, Johnson, Keerthi (1988); stopping on the certified gap: van den Bergen, "A fast and robust GJK
@@ -16,16 +17,19 @@
 use glam::DVec3;
 
 use super::{
-    boxes, formula,
+    boxes,
+    depth::Touch,
+    formula,
     frame::Pair,
     rods,
     simplex::{Simplex, Vertex},
+    straight,
     warm::Seed,
 };
 use crate::{
     answer::{Method, Stop},
     math::{Norm, exact},
-    tolerance::PAIR_ROUNDING,
+    tolerance::{DEPTH_WIDTH, PAIR_ROUNDING},
 };
 
 /// Most vertices that join the features of a nearest point once it has settled. One or two do for faces that meet at an
@@ -150,7 +154,10 @@ impl Gap {
                 return Stop::Converged;
             }
             let is_settled = self.simplex.contains(&vertex) || !self.simplex.advance(&vertex);
-            if is_settled && !self.polish(pair, nearest / length, length) {
+            if is_settled
+                && !self.polish(pair, nearest / length, length)
+                && !self.straighten(pair, nearest / length, length)
+            {
                 return Stop::Converged;
             }
         }
@@ -199,9 +206,40 @@ impl Gap {
         is_nearer
     }
 
+    /// The same by the normals that straight features have exactly, where that left more than rounding: beside round cores. Their
+    /// planes touch whole edges and faces, so every corner that is held there is tried with what they touch on the other side.
+    #[inline(never)]
+    fn straighten(&mut self, pair: &Pair<'_>, toward: DVec3, length: f64) -> bool {
+        if length - self.lower <= DEPTH_WIDTH {
+            return false;
+        }
+        for normal in straight::normals(pair, toward) {
+            let vertex = self.raise_lower(pair, normal, 1.0);
+            self.simplex.cross(&vertex);
+        }
+        self.simplex.point().norm() < length
+    }
+
+    /// Goes on where a depth turned out to be a gap and this search had lost its way, among slivers that may hold the origin: from
+    /// the normal that parts the cores. Says whether there was more to find.
+    pub(super) fn go_on(&mut self, pair: &Pair<'_>, touch: &Touch, budget: u32) -> bool {
+        let apart = pair.radius() - touch.upper;
+        if apart <= 0.0 || self.upper - apart <= DEPTH_WIDTH {
+            return false;
+        }
+        let vertex = self.raise_lower(pair, touch.normal, 1.0);
+        self.simplex.cross(&vertex);
+        let stop = self.run(pair, budget, |_, _| false);
+        self.end(stop);
+        self.lower > 0.0
+    }
+
     #[inline(always)]
     fn end(&mut self, stop: Stop) {
         self.inside = self.simplex.margin().unwrap_or(0.0);
+        if self.inside == 0.0 {
+            self.simplex.flatten();
+        }
         self.length = if self.inside > 0.0 { 0.0 } else { self.simplex.point().norm() };
         self.upper = self.length + PAIR_ROUNDING;
         self.stop = stop;

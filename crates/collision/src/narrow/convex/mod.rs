@@ -35,6 +35,7 @@ mod separation;
 mod simplex;
 mod slide;
 mod standing;
+mod straight;
 mod touch;
 mod turning;
 mod warm;

@@ -131,13 +131,13 @@ pub(super) fn signed(pair: &Pair<'_>, budget: u32) -> Signed {
             Verdict::Undecided => {}
         }
     }
-    let gap = gjk::gap(pair, budget, |lower, upper| lower > radius || upper <= radius);
-    signed_gap(pair, &gap, budget)
+    let mut gap = gjk::gap(pair, budget, |lower, upper| lower > radius || upper <= radius);
+    signed_gap(pair, &mut gap, budget)
 }
 
 /// The signed distance from the gap of the cores, and from the depth where the gap leaves the verdict open.
 #[inline(always)]
-fn signed_gap(pair: &Pair<'_>, gap: &Gap, budget: u32) -> Signed {
+fn signed_gap(pair: &Pair<'_>, gap: &mut Gap, budget: u32) -> Signed {
     let radius = pair.radius();
     let is_inside = gap.inside > PAIR_ROUNDING;
     let lower = if gap.lower > 0.0 { gap.lower - radius } else { f64::NEG_INFINITY };
@@ -152,9 +152,12 @@ fn signed_gap(pair: &Pair<'_>, gap: &Gap, budget: u32) -> Signed {
 
 /// The same from the depth of the cores, where the bounds by the gap are `lower` and `upper`.
 #[inline(never)]
-fn signed_by_depth(pair: &Pair<'_>, gap: &Gap, budget: u32, [lower, upper]: [f64; 2]) -> Signed {
+fn signed_by_depth(pair: &Pair<'_>, gap: &mut Gap, budget: u32, [lower, upper]: [f64; 2]) -> Signed {
     let touch = depth::overlapping(pair, gap, budget, |lower, _| lower > 0.0);
-    let (lower, upper) = (lower.max(-touch.upper), upper.min(-touch.lower));
+    let (mut lower, mut upper) = (lower.max(-touch.upper), upper.min(-touch.lower));
+    if gap.go_on(pair, &touch, budget) {
+        (lower, upper) = (lower.max(gap.lower - pair.radius()), upper.min(gap.upper - pair.radius()));
+    }
     Signed::new(lower, upper, touch.method, touch.stop, gap.iterations.saturating_add(touch.iterations))
 }
 
@@ -170,11 +173,11 @@ fn distance_in_order(
     let radius = pair.radius();
     let limit_in = pair.length_in(limit);
     let widest = pair.length_in(accuracy.max_error);
-    let gap = gjk::gap_warm(&pair, seed, accuracy.budget, |lower, upper| {
+    let mut gap = gjk::gap_warm(&pair, seed, accuracy.budget, |lower, upper| {
         let width = upper.max(radius) - lower.max(radius);
         lower - radius > limit_in || width <= widest || width <= accuracy.max_error_relative * (lower - radius)
     });
-    let signed = signed_gap(&pair, &gap, accuracy.budget).or_exactly(a, b);
+    let signed = signed_gap(&pair, &mut gap, accuracy.budget).or_exactly(a, b);
     work.pairs_tested += 1;
     work.iterations += u64::from(signed.iterations);
     let (lower, upper) = (signed.lower.max(0.0), signed.upper.max(0.0));

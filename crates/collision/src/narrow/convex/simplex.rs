@@ -160,6 +160,32 @@ impl Simplex {
         grown
     }
 
+    /// Goes to the nearest part of what the corners on one side make with the corner of `vertex` on the other, if that is nearer:
+    /// where a plane stands on an edge or a face, any of its corners may be the one that `vertex` has.
+    pub(super) fn cross(&mut self, vertex: &Vertex) {
+        let on_b = vertex.on_a - vertex.point;
+        let with_b = |held: &Vertex| {
+            let corners = [held.corners[0], vertex.corners[1]];
+            Vertex { point: held.on_a - on_b, on_a: held.on_a, corners }
+        };
+        let with_a = |held: &Vertex| {
+            let held_on_b = held.on_a - held.point;
+            let corners = [vertex.corners[0], held.corners[1]];
+            Vertex { point: vertex.on_a - held_on_b, on_a: vertex.on_a, corners }
+        };
+        let held = *self;
+        for crossed in [
+            Self::nearest_of(held.vertices().iter().map(with_b).chain([*vertex])),
+            Self::nearest_of(held.vertices().iter().map(with_a).chain([*vertex])),
+        ] {
+            if let Some(crossed) = crossed
+                && crossed.point().length_squared() < self.point().length_squared()
+            {
+                *self = crossed;
+            }
+        }
+    }
+
     /// The part of these vertices that is nearest to the origin.
     pub(super) fn nearest(mut self) -> Self {
         self.settle();
@@ -170,6 +196,14 @@ impl Simplex {
     #[inline(always)]
     pub(super) fn settle(&mut self) {
         self.take(nearest_part(&self.points(), self.part.count));
+    }
+
+    /// Goes to the nearest side of a tetrahedron, if that is nearer than its point: that of a sliver, which would be the origin, is
+    /// known less well than those of its sides.
+    pub(super) fn flatten(&mut self) {
+        if self.part.count == 4 {
+            self.take(self.part.nearer(nearest_side(&self.points(), [false; 4])));
+        }
     }
 
     /// How far inside a tetrahedron the origin surely lies; `None` if it may not or if this is no tetrahedron.
@@ -306,10 +340,14 @@ fn tetrahedron(p: &[DVec3; 4]) -> Part {
         let point = a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3];
         return Part { members: [0, 1, 2, 3], weights, count: 4, point };
     }
-    let is_flat = !whole.is_normal();
+    nearest_side(p, if whole.is_normal() { inside } else { [false; 4] })
+}
+
+/// The nearest of the sides of a tetrahedron that do not have the origin on their inner side.
+fn nearest_side(p: &[DVec3; 4], inside: [bool; 4]) -> Part {
     let mut best: Option<Part> = None;
     for (face, is_inside) in [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]].into_iter().zip(inside) {
-        if is_flat || !is_inside {
+        if !is_inside {
             let part = triangle(p, face);
             best = Some(best.map_or(part, |best| best.nearer(part)));
         }

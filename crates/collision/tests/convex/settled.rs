@@ -1,0 +1,141 @@
+//! Gaps beside round forms, where vertices crowd together before the last digits are known.
+
+use collision::{
+    DQuat, DVec3,
+    accuracy::{Accuracy, Tier},
+    answer::{Certificate, Stop, Work},
+    math::Pose,
+    narrow,
+    shape::{Geometry, GeometryError},
+};
+
+use crate::random::{Body, Noise};
+
+fn body(geometry: Result<Geometry, GeometryError>, position: [f64; 3], rotation: [f64; 4]) -> Body {
+    let geometry = geometry.expect("a form");
+    Body { geometry, pose: Pose::new(DVec3::from_array(position), DQuat::from_array(rotation)) }
+}
+
+fn hull(points: &[[f64; 3]]) -> Result<Geometry, GeometryError> {
+    Geometry::hull(&points.iter().copied().map(DVec3::from_array).collect::<Vec<_>>())
+}
+
+/// The interval holds the truth and is as narrow as the arithmetic allows.
+fn assert_settled(certificate: &Certificate, truth: f64, extent: f64, name: &str) {
+    let bound = certificate.bound;
+    let is_held = bound.lower - 1e-15 * extent <= truth && truth <= bound.upper + 1e-15 * extent;
+    let is_narrow = bound.width() <= 5e-13 * extent;
+    assert!(is_held && is_narrow && certificate.stop == Stop::Converged, "{name}: {truth:e}, {certificate:?}");
+}
+
+fn assert_distance(a: &Body, b: &Body, truth: f64, extent: f64, name: &str) {
+    let exact = Accuracy::of(Tier::Exact);
+    let found = narrow::distance(a.placed(), b.placed(), f64::INFINITY, &exact, &mut Work::default());
+    assert_settled(&found.expect("no limit").certificate, truth, extent, name);
+    let depth = narrow::depth(a.placed(), b.placed(), f64::INFINITY, &exact, &mut Work::default());
+    assert_settled(&depth.expect("no limit").certificate, -truth, extent, name);
+}
+
+/// On a grid, where planes touch whole edges and faces: the gap of an upright cylinder and a box is that of a disc and a
+/// rectangle beside the one between their heights; the base of a cone above the box is such a disc too.
+#[test]
+fn rims_beside_edges_are_measured_to_the_last_digits() {
+    let noise = &mut Noise(71);
+    let mut count = 0;
+    for number in 0..30_000 {
+        let mut eighths = |low: f64, high: f64| noise.between(low, high).floor() / 8.0;
+        let half = DVec3::new(eighths(1.0, 7.0), eighths(1.0, 7.0), eighths(1.0, 7.0));
+        let (half_height, radius) = (eighths(1.0, 9.0), eighths(1.0, 9.0));
+        let at = DVec3::new(eighths(-12.0, 13.0), eighths(-12.0, 13.0), eighths(-12.0, 13.0));
+        let above = at.y.abs() - half.y - half_height;
+        let is_cone = number % 2 == 0;
+        let beside = DVec3::new(at.x.abs() - half.x, 0.0, at.z.abs() - half.z).max(DVec3::ZERO).length() - radius;
+        if above.max(beside) <= 0.0 || is_cone && (above < 0.0 || at.y < 0.0) {
+            continue;
+        }
+        let round = if is_cone { Geometry::cone(half_height, radius) } else { Geometry::cylinder(half_height, radius) };
+        let a = body(round, at.to_array(), [0.0, 0.0, 0.0, 1.0]);
+        let b = body(Geometry::cuboid(half), [0.0; 3], [0.0, 0.0, 0.0, 1.0]);
+        let truth = above.max(0.0).hypot(beside.max(0.0));
+        assert_distance(&a, &b, truth, 4.0, &format!("{half_height} {radius} at {at} beside {half}"));
+        count += 1;
+    }
+    assert!(count > 9_000, "only {count} are apart");
+}
+
+/// A lying cylinder beside an upright one, an ellipsoid beside a capsule, a stick beside a cylinder: the normal stands on an
+/// edge. The truths are those of the oracle.
+#[test]
+fn normals_that_stand_on_an_edge() {
+    let a = body(Geometry::cylinder(0.125, 0.5), [-1.0, -0.25, 0.125], [1.0, 0.0, 0.0, 1.0]);
+    let b = body(Geometry::cylinder(0.5, 0.625), [0.25, -0.75, -0.625], [0.0, 0.0, 1.0, 0.0]);
+    assert_distance(&a, &b, 0.3512812094883318, 1.0, "cylinders");
+
+    let a = body(Geometry::ellipsoid(DVec3::new(5.0, 4.0, 1.0)), [-7.0, 3.0, 3.0], [0.0, 0.0, 0.0, 1.0]);
+    let b = body(Geometry::capsule(3.0, 8.0), [2.0, 6.0, -5.0], [0.0, 0.0, 0.0, 1.0]);
+    assert_distance(&a, &b, 6417.052219256093 / 8192.0, 16.0, "ellipsoid and capsule");
+
+    let stick = hull(&[[-8.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [4.0, 0.0, 0.0]]).and_then(|stick| stick.rounded(1.0));
+    let a = body(stick, [2.0, 1.0, -8.0], [1.0, 0.0, 0.0, 1.0]);
+    let b = body(Geometry::cylinder(3.0, 1.0), [6.0, -3.0, 4.0], [0.0, 0.0, 1.0, 0.0]);
+    assert_distance(&a, &b, 0.0012262403585433668 * 8192.0, 16.0, "stick and cylinder");
+}
+
+/// A ball about the corner of a rounded hull that is flat but for 1e-10 of it: not the corner is nearest but its face.
+#[test]
+fn a_hull_that_is_all_but_flat() {
+    let corners = hull(&[
+        [0.0, -3.733170636515601e-7, 0.0],
+        [225.53232274109928, -2.0597905301427338e-7, 0.0],
+        [0.0, 0.0, 426.74230803345836],
+        [925.6631408460705, 0.0, 0.0],
+        [384.7876606327595, 0.0, 197.10758113864404],
+    ]);
+    let turn = [-0.36380649922896424, -0.03746731951936704, -0.644505931863743, 0.6714559813414782];
+    let a = body(Geometry::sphere(793.5146832774124), [0.0; 3], [0.0, 0.0, 0.0, 1.0]);
+    let b = body(corners.and_then(|corners| corners.rounded(0.176000844805872)), [0.0; 3], turn);
+    let exact = Accuracy::of(Tier::Exact);
+    let found = narrow::depth(a.placed(), b.placed(), 0.0, &exact, &mut Work::default()).expect("they overlap");
+    assert_settled(&found.certificate, 793.6906837489012, 1e3, "ball and hull");
+}
+
+/// Forms of which one is 1e10 times as large, or that are long and thin: to the search their gap is none, until a depth is
+/// asked and turns out to be one.
+#[test]
+fn gaps_that_were_lost_among_slivers() {
+    let large = hull(&[
+        [-73.72174928874412, 6.533496035222214, 8.419343460014673],
+        [13.575266588009129, -57.05202652982414, 86.92616231119152],
+        [-96.65836631550891, 36.41624230714501, -3.001696247366894],
+        [-80.64128092997196, 17.118359662563194, 98.14787200249603],
+        [-0.1532275911087595, -34.391581999822975, -104.88647911734928],
+    ]);
+    let small = Geometry::ellipsoid(DVec3::new(2.4216707371691782e-8, 3.358179057323034e-8, 2.6008109191821512e-8));
+    let turn = [-0.05356452697122332, 0.14293336886235997, 0.32036856029857563, -0.9349143699228414];
+    let a = body(large, [47.29728223436689, -49.188260903991896, 87.93682538366652], turn);
+    let turn = [-0.580318274984693, -0.07826193062458603, -0.7116918361110582, -0.3880728028947319];
+    let b = body(small, [22.288304492146366, -8.301652098872722, 33.05878552575986], turn);
+    assert_distance(&a, &b, 2.75042731882579e-9, 128.0, "hull and ellipsoid");
+
+    let needle = hull(&[
+        [0.2457878645001932, 9.60858720492688e-6, 9.301498605798574e-7],
+        [-0.3415998495587289, -3.459727305835517e-5, -1.2915549279163176e-6],
+        [0.3184164244017248, 9.917292494629146e-6, 1.2303232613020976e-6],
+        [-0.10727498507712036, -8.084776543448993e-5, -1.031549268200909e-6],
+    ]);
+    let other = hull(&[
+        [-0.21308713461689127, 1.0337839452656765, 0.09048615197374416],
+        [0.5704072790482462, -0.5677689067282132, -0.013956336580179307],
+        [0.33964027187140244, 1.137121826924147, -0.18973391738551654],
+        [0.21392835406888727, -0.5193728783124985, 0.873671230957503],
+        [0.4644970667566938, 1.1396849767795905, 0.9873726099936537],
+        [1.2190141865770259, -0.252598511250491, 0.20844025854295328],
+    ]);
+    let turn = [-0.07689549409097934, 0.031961294234746813, -0.08296756111113278, -0.02807505097666377];
+    let a = body(needle, [-0.255277027533511, -1.3720117898465143, 0.6843230050578714], turn);
+    let turn = [-0.6362640891178015, 0.26445044752628416, -0.6864952235205638, -0.2322892115137798];
+    let b = body(other, [-0.6902114800694276, -0.4554143734523249, 0.5623218484403718], turn);
+    let exact = Accuracy::of(Tier::Exact);
+    let found = narrow::depth(a.placed(), b.placed(), 1.0, &exact, &mut Work::default()).expect("near");
+    assert_settled(&found.certificate, 1.9503396219618254e-14, 1.5, "needle and hull");
+}
