@@ -14,13 +14,14 @@ use glam::DVec3;
 use super::Hull;
 use crate::math::Norm;
 
-/// All points within `radius` of a core.
+/// All points within `radius` of a core. The radius lies before the core in memory, beside what of it is not empty.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Convex {
-    /// What the radius goes around.
-    pub core: Core,
     /// Metres, at least 0.
     pub radius: f64,
+    /// What the radius goes around.
+    pub core: Core,
 }
 
 /// What a radius goes around: a polytope, possibly flat, or one of three round bodies about the local origin.

@@ -30,12 +30,14 @@ pub enum Form {
     HalfSpace(HalfSpace),
 }
 
-/// An immutable form in its own local frame. Cheap to clone.
+/// An immutable form in its own local frame. Cheap to clone. Its fields are in this order in memory, those first that
+/// kernels read: of a simple form they fill one cache line, together with what counts its owners.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Geometry {
+    reach: f64,
     form: Form,
     local_bounds: Aabb,
-    reach: f64,
     id: OnceLock<GeometryId>,
 }
 
@@ -284,6 +286,11 @@ impl Geometry {
     #[must_use]
     pub fn reach(&self) -> f64 {
         self.reach
+    }
+
+    /// Reads something of the memory that a kernel will want of it; what comes out means nothing.
+    pub(crate) fn read_ahead(&self) -> u64 {
+        self.reach.to_bits()
     }
 
     /// Bytes it holds in memory now, lazily built structures included.

@@ -64,7 +64,8 @@ impl<'a> Sieve<'a> {
         side.shape.is_none_or(|shape| self.lets_through(shape))
     }
 
-    fn lets_through(&self, shape: &Shape) -> bool {
+    /// Whether the asker sees a shape of the world.
+    pub(super) fn lets_through(&self, shape: &Shape) -> bool {
         let is_wanted = shape.layers & self.collides_with != 0 && shape.collides_with & self.layers != 0;
         let is_own = self.asker.is_some_and(|(id, group)| id == shape.id || (group != 0 && group == shape.group));
         let is_excluded = (self.filter.exclude_sensors && shape.sensor)

@@ -1,6 +1,7 @@
 //! A world is a sequence of immutable versions: [`World`] is the one writer, [`Snapshot`] a version that any number of
 //! readers question without waiting.
 
+mod batch;
 mod changed;
 mod check;
 mod content;

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use super::{
     Filter, Meter, QuestionError, Shape, ShapeId, Snapshot, Subject,
+    batch::Batch,
     filter::Sieve,
     history::Past,
     snapshot::Content,
@@ -132,21 +133,34 @@ impl Snapshot {
     ) -> Result<(), QuestionError> {
         let sieve = Sieve::new(filter, asker);
         let layers = sieve.layers_seen();
-        let mut see = |meter: &mut Meter<'m>, side: Option<Side<'a>>| {
-            if let Some(side) = side.filter(|side| side.bounds.intersects(query) && sieve.passes(side)) {
-                visit(meter, side)?;
+        let trees = self.trees();
+        let mut batch = Batch::default();
+        let mut look = |meter: &mut Meter<'m>, batch: &mut Batch<'a>| {
+            batch.visit_touching(query, |entry| {
+                if sieve.lets_through(&entry.shape) { visit(meter, Side::of(entry)) } else { Ok(()) }
+            })
+        };
+        let mut offer = |meter: &mut Meter<'m>, slot: Slot| {
+            if let Some(entry) = trees.entry_in(slot) {
+                batch.add(entry);
+            }
+            if batch.is_full() {
+                look(meter, &mut batch)?;
             }
             Ok(ControlFlow::Continue(()))
         };
-        let trees = self.trees();
         if let Some(fixed) = trees.fixed {
-            fixed.tree.visit_box(query, layers, meter, |meter, leaf| see(meter, trees.side_in(fixed.slot(leaf))))?;
+            fixed.tree.visit_box(query, layers, meter, |meter, leaf| offer(meter, fixed.slot(leaf)))?;
         }
         if let Some(moving) = trees.moving {
-            moving.visit_box(query, layers, meter, |meter, leaf| see(meter, trees.side_in(Slot(leaf))))?;
+            moving.visit_box(query, layers, meter, |meter, leaf| offer(meter, Slot(leaf)))?;
         }
+        look(meter, &mut batch)?;
         if let Some(past) = trees.past {
-            past.tree().visit_box(query, layers, meter, |meter, leaf| see(meter, past.side_of(leaf)))?;
+            past.tree().visit_box(query, layers, meter, |meter, leaf| {
+                let side = past.side_of(leaf).filter(|side| side.bounds.intersects(query) && sieve.passes(side));
+                side.map_or(Ok(()), |side| visit(meter, side)).map(ControlFlow::Continue)
+            })?;
         }
         Ok(())
     }
@@ -225,11 +239,17 @@ struct Trees<'a> {
 
 impl<'a> Trees<'a> {
     /// What is in a slot, unless it was something else at the moment that is asked.
-    fn side_in(&self, slot: Slot) -> Option<Side<'a>> {
+    #[inline]
+    fn entry_in(&self, slot: Slot) -> Option<&'a Entry> {
         match self.past {
-            None => Some(Side::of(self.state.shapes.entry(slot))),
-            Some(past) => past.side_in(slot),
+            None => Some(self.state.shapes.entry(slot)),
+            Some(past) => past.entry_in(slot),
         }
+    }
+
+    /// The same, as a side of a question.
+    fn side_in(&self, slot: Slot) -> Option<Side<'a>> {
+        self.entry_in(slot).map(Side::of)
     }
 }
 

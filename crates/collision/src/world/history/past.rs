@@ -6,7 +6,13 @@ use std::{
 };
 
 use super::{
-    super::{Shape, ShapeId, Snapshot, Tick, search::Side, snapshot::Content, state::State, store::Slot},
+    super::{
+        Shape, ShapeId, Snapshot, Tick,
+        search::Side,
+        snapshot::Content,
+        state::State,
+        store::{Entry, Slot},
+    },
     HistoryError, Moment,
     kept::Ground,
     span::{Instant, Rest, Span},
@@ -36,8 +42,8 @@ impl Past {
     }
 
     /// What is in a slot of the base, unless it was something else then.
-    pub(in crate::world) fn side_in(&self, slot: Slot) -> Option<Side<'_>> {
-        (!self.span.is_overridden(slot)).then(|| Side::of(self.base().shapes.entry(slot)))
+    pub(in crate::world) fn entry_in(&self, slot: Slot) -> Option<&Entry> {
+        (!self.span.is_overridden(slot)).then(|| self.base().shapes.entry(slot))
     }
 
     /// The tree over what was otherwise.
