@@ -253,6 +253,12 @@ pub const TREE_NARROWING: f32 = 1.0 - 8.0 * f32::EPSILON;
 /// more nodes. Pinned with [`TREE_NARROWING`].
 pub const TREE_LIMIT_WIDENING: f64 = 1.0 + 4.0 * f32::EPSILON as f64;
 
+/// How far off the place of a box along a subject's turned axes may be, as a part of the sum of all coordinates that take
+/// part: the entries of the rotation are right to 32 roundings, which count for the middle of the box and again for its
+/// half extents, and the differences and products add 8. Larger looks at more shapes; smaller might pass over one that
+/// touches. Pinned by `what_touches_the_surface_is_looked_at` in `world/outline.rs`.
+pub const OUTLINE: f64 = 128.0 * ROUNDING;
+
 /// What a box on the way between two poses is widened by beyond what the arc takes, as a part of the farthest coordinate
 /// that takes part: an interpolated rotation is right to 64 roundings in its vector, 32 in its matrix and as many in the
 /// box made of that, a position to three. Smaller loses shapes that are asked for between two ticks; larger only visits

@@ -14,8 +14,7 @@ use std::hint::black_box;
 
 use smallvec::SmallVec;
 
-use super::store::Entry;
-use crate::math::Aabb;
+use super::{outline::Outline, store::Entry};
 
 /// Shapes looked at together. More than a processor can wait for at once gain nothing.
 const BATCH: usize = 32;
@@ -37,20 +36,20 @@ impl<'a> Batch<'a> {
         self.entries.len() == BATCH
     }
 
-    /// Visits those of them whose canonical boxes touch `query`; none wait any more.
-    pub(super) fn visit_touching<E>(
+    /// Visits those of them whose canonical boxes do not prove that they are clear of the outline; none wait any more.
+    pub(super) fn visit_near<E>(
         &mut self,
-        query: Aabb,
+        outline: &Outline,
         visit: impl FnMut(&'a Entry) -> Result<(), E>,
     ) -> Result<(), E> {
         // Without a branch: one that is foreseen wrongly would make the others wait.
-        let mut touching = 0;
+        let mut near = 0;
         for at in 0..self.entries.len() {
             let entry = self.entries[at];
-            self.entries[touching] = entry;
-            touching += usize::from(entry.bounds.intersects(query));
+            self.entries[near] = entry;
+            near += usize::from(outline.may_touch(&entry.bounds));
         }
-        self.entries.truncate(touching);
+        self.entries.truncate(near);
         black_box(self.entries.iter().fold(0, |all, entry| all ^ entry.read_ahead()));
         self.entries.drain(..).try_for_each(visit)
     }

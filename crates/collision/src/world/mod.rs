@@ -14,6 +14,7 @@ mod history;
 mod hits;
 mod impact;
 mod ledger;
+mod outline;
 mod overlap;
 mod pairs;
 mod penetration;

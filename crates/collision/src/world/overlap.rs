@@ -3,6 +3,7 @@
 use super::{
     Filter, Found, Meter, QuestionError, ShapeId, Snapshot, Subject,
     hits::{Best, Hit, verdict},
+    outline::Outline,
     search::Side,
 };
 use crate::{
@@ -64,7 +65,7 @@ impl Snapshot {
         // One more than asked for says that there are more. What has no place among them is not looked at.
         let mut lowest = Best::new(question.max_hits.saturating_add(1));
         let sides = (&subject, question.against.as_ref());
-        self.others_in(subject.bounds, sides, filter, meter, |meter, other| {
+        self.others_near(&Outline::of(&subject), sides, filter, meter, |meter, other| {
             if lowest.has_place(0.0, other.id()) {
                 touch(&subject, &other, accuracy, meter)?.into_iter().for_each(|hit| lowest.add(hit));
             }

@@ -8,6 +8,7 @@ use smallvec::SmallVec;
 use super::{
     Filter, Found, Meter, QuestionError, ShapeId, Snapshot, Subject,
     hits::verdict,
+    outline::Outline,
     search::{Side, outward},
 };
 use crate::{
@@ -63,9 +64,9 @@ impl Snapshot {
         meter: &mut Meter<'_>,
     ) -> Result<Found<Contact>, QuestionError> {
         let subject = self.subject(&question.subject)?;
-        let query = outward(subject.bounds, question.max_gap);
+        let outline = Outline::of_box(outward(subject.bounds, question.max_gap));
         let mut others: SmallVec<[Side<'_>; 32]> = SmallVec::new();
-        self.others_in(query, (&subject, question.against.as_ref()), filter, meter, |_, other| {
+        self.others_near(&outline, (&subject, question.against.as_ref()), filter, meter, |_, other| {
             others.push(other);
             Ok(())
         })?;

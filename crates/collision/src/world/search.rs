@@ -7,6 +7,7 @@ use super::{
     batch::Batch,
     filter::Sieve,
     history::Past,
+    outline::Outline,
     snapshot::Content,
     state::{Fixed, State},
     store::{Entry, Slot},
@@ -38,7 +39,7 @@ impl<'a> Side<'a> {
         }
     }
 
-    fn at(geometry: &'a Geometry, pose: Pose, shape: Option<&'a Shape>) -> Self {
+    pub(super) fn at(geometry: &'a Geometry, pose: Pose, shape: Option<&'a Shape>) -> Self {
         Self { placed: Placed { geometry, pose }, shape, bounds: geometry.bounds(&pose) }
     }
 
@@ -79,19 +80,20 @@ impl Snapshot {
         against.map(|against| self.side(against)).transpose().map_err(QuestionError::AgainstNotFound)
     }
 
-    /// Visits what touches `query` of that which a question is asked against: of what it names, or of what the subject sees.
-    pub(super) fn others_in<'a, 'm>(
+    /// Visits what may touch the subject, by its outline, of that which a question is asked against: of what it names, or of
+    /// what the subject sees.
+    pub(super) fn others_near<'a, 'm>(
         &'a self,
-        query: Aabb,
+        outline: &Outline,
         (subject, against): (&Side<'_>, Option<&'a Subject>),
         filter: &Filter,
         meter: &mut Meter<'m>,
         mut visit: impl FnMut(&mut Meter<'m>, Side<'a>) -> Result<(), QuestionError>,
     ) -> Result<(), QuestionError> {
         match self.against(against)? {
-            Some(other) if other.bounds.intersects(query) => visit(meter, other),
+            Some(other) if outline.may_touch(&other.bounds) => visit(meter, other),
             Some(_) => Ok(()),
-            None => self.seen_in(query, subject.shape, filter, meter, visit),
+            None => self.seen_near(outline, subject.shape, filter, meter, visit),
         }
     }
 
@@ -122,21 +124,21 @@ impl Snapshot {
         }
     }
 
-    /// Visits what an asker sees of what touches `query`.
-    fn seen_in<'a, 'm>(
+    /// Visits what an asker sees of what may touch an outline.
+    fn seen_near<'a, 'm>(
         &'a self,
-        query: Aabb,
+        outline: &Outline,
         asker: Option<&Shape>,
         filter: &Filter,
         meter: &mut Meter<'m>,
         mut visit: impl FnMut(&mut Meter<'m>, Side<'a>) -> Result<(), QuestionError>,
     ) -> Result<(), QuestionError> {
         let sieve = Sieve::new(filter, asker);
-        let layers = sieve.layers_seen();
+        let (layers, query) = (sieve.layers_seen(), outline.bounds());
         let trees = self.trees();
         let mut batch = Batch::default();
         let mut look = |meter: &mut Meter<'m>, batch: &mut Batch<'a>| {
-            batch.visit_touching(query, |entry| {
+            batch.visit_near(outline, |entry| {
                 if sieve.lets_through(&entry.shape) { visit(meter, Side::of(entry)) } else { Ok(()) }
             })
         };
@@ -158,7 +160,7 @@ impl Snapshot {
         look(meter, &mut batch)?;
         if let Some(past) = trees.past {
             past.tree().visit_box(query, layers, meter, |meter, leaf| {
-                let side = past.side_of(leaf).filter(|side| side.bounds.intersects(query) && sieve.passes(side));
+                let side = past.side_of(leaf).filter(|side| outline.may_touch(&side.bounds) && sieve.passes(side));
                 side.map_or(Ok(()), |side| visit(meter, side)).map(ControlFlow::Continue)
             })?;
         }
