@@ -1,14 +1,15 @@
 //! Builds nodes over many boxes at once.
 //!
 //! # Method
-//! Top down. A range of boxes becomes a node: it is cut in two, and the part of largest area in two again, until there are
-//! four parts or only single boxes. A cut is made where the surface-area heuristic is least, over 16 bins of centres on each
-//! axis; a part counts as many boxes as fill its nodes, so that nodes are full. Boxes with equal centres are halved by
+//! Top down. A range of boxes becomes a node: it is cut in two, and the part of largest area in two again, until each part
+//! fits a node of its own or there are as many parts as a node has lanes. Lanes that are left take in boxes that lie far out
+//! in their part, whose node then is smaller. A cut is made where the surface-area heuristic is least, over 16 bins of centres
+//! on each axis; a part counts as many boxes as fill its nodes, so that nodes are full. Boxes with equal centres are halved by
 //! position, and so is, along the widest axis, whatever is still too large after as many levels as the logarithm of the
 //! number of boxes, so that the depth is bounded whatever comes in.
 //!
 //! # Source
-//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007; nodes of four by opening the largest part:
+//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007; wide nodes by opening the largest part:
 //! Wald, Benthin, Boulos, "Getting Rid of Packets", 2008, section 3.
 
 use glam::Vec3A;
@@ -31,7 +32,7 @@ pub(super) struct Item {
 #[derive(Debug, Default)]
 pub(super) struct Built {
     pub(super) nodes: Vec<Node>,
-    /// The lane that leads to each node, as `4 * node + lane`; `u32::MAX` for the root.
+    /// The lane that leads to each node, as `LANES * node + lane`; `u32::MAX` for the root.
     pub(super) parents: Vec<u32>,
     /// Levels, the root's being the first.
     pub(super) depth: u32,
@@ -94,7 +95,9 @@ pub(super) fn build(items: &mut [Item]) -> Built {
     built
 }
 
-/// The parts of a part that become the lanes of its node: singles, if there are no more of them than lanes.
+/// The parts of a part that become the lanes of its node. What fits a node of its own is not cut, so that nodes are full
+/// rather than many. Lanes that are left take single boxes out of such parts, each time the one without which its part is
+/// smaller by most.
 fn parts(items: &mut [Item], whole: Part, is_by_cost: bool) -> SmallVec<[Part; LANES]> {
     if whole.len() <= LANES {
         let single = |at: usize| Part { begin: at, end: at + 1, bounds: items[at].bounds };
@@ -102,17 +105,84 @@ fn parts(items: &mut [Item], whole: Part, is_by_cost: bool) -> SmallVec<[Part; L
     }
     let mut parts: SmallVec<[Part; LANES]> = SmallVec::new();
     parts.push(whole);
-    while parts.len() < LANES {
-        let largest = (0..parts.len())
-            .filter(|&at| parts[at].len() > 1)
-            .max_by(|&a, &b| parts[a].bounds.half_area().total_cmp(&parts[b].bounds.half_area()).then(b.cmp(&a)));
-        // There are more items than lanes, so one part has several.
-        let Some(at) = largest else { break };
+    while let Some(at) = largest_to_cut(&parts) {
         let (left, right) = split(items, parts[at], is_by_cost);
         parts[at] = left;
         parts.insert(at + 1, right);
     }
+    if parts.len() == LANES {
+        return parts;
+    }
+    let mut outliers: SmallVec<[Outlier; LANES]> = parts.iter().map(|part| Outlier::of(items, part)).collect();
+    while parts.len() < LANES {
+        let farthest =
+            (0..outliers.len()).fold(0, |best, at| if outliers[at].less > outliers[best].less { at } else { best });
+        if parts[farthest].len() == 1 {
+            break;
+        }
+        let single = outliers[farthest].leave(items, &mut parts[farthest]);
+        outliers[farthest] = Outlier::of(items, &parts[farthest]);
+        parts.push(single);
+    }
     parts
+}
+
+/// Which part is to be cut next: the one of largest area among those too large for a node; of equal ones the first.
+fn largest_to_cut(parts: &[Part]) -> Option<usize> {
+    if parts.len() == LANES {
+        return None;
+    }
+    let mut largest: Option<(f32, usize)> = None;
+    for (at, part) in parts.iter().enumerate().filter(|(_, part)| part.len() > LANES) {
+        let area = part.bounds.half_area();
+        if largest.is_none_or(|(other, _)| area > other) {
+            largest = Some((area, at));
+        }
+    }
+    largest.map(|(_, at)| at)
+}
+
+/// The item without which a part is smaller by most.
+struct Outlier {
+    item: usize,
+    /// By how much the half area is less; of a single box, which stays where it is, less than any.
+    less: f32,
+    /// The box of the others.
+    rest: LocalBox,
+}
+
+impl Outlier {
+    /// That of a part of up to [`LANES`] items.
+    fn of(items: &[Item], part: &Part) -> Self {
+        if part.len() == 1 {
+            return Self { item: part.begin, less: f32::NEG_INFINITY, rest: part.bounds };
+        }
+        let mut after = [LocalBox::NOTHING; LANES];
+        for at in (1..part.len()).rev() {
+            after[at - 1] = after[at].union(items[part.begin + at].bounds);
+        }
+        let area = part.bounds.half_area();
+        let mut best = Self { item: part.begin, less: f32::NEG_INFINITY, rest: after[0] };
+        let mut before = LocalBox::NOTHING;
+        for (item, after) in (part.begin..part.end).zip(after) {
+            let rest = before.union(after);
+            // Of two, no node is left.
+            let less = if part.len() == 2 { area } else { area - rest.half_area() };
+            if less > best.less {
+                best = Self { item, less, rest };
+            }
+            before = before.union(items[item].bounds);
+        }
+        best
+    }
+
+    /// Takes the item out of its part.
+    fn leave(&self, items: &mut [Item], part: &mut Part) -> Part {
+        let last = part.end - 1;
+        items.swap(self.item, last);
+        (part.end, part.bounds) = (last, self.rest);
+        Part { begin: last, end: last + 1, bounds: items[last].bounds }
+    }
 }
 
 /// Reorders the items of a part into two; neither is empty.
@@ -166,7 +236,7 @@ impl Bin {
         self.count += other.count;
     }
 
-    /// Area times the nodes of four that hold its boxes.
+    /// Area times the nodes that hold its boxes.
     fn cost(&self) -> f32 {
         self.bounds.half_area() * self.count.div_ceil(LANES) as f32
     }

@@ -31,8 +31,8 @@ use links::ROOT;
 /// A tree over boxes that come, move and go. Cloning it shares all nodes.
 #[derive(Clone, Debug, Default)]
 pub struct DynamicTree {
-    forest: Forest<Pages<Node>>,
-    /// The lane that leads to each node: four times its node, and the number of the lane. Of a root, `ROOT` and its cell. Of
+    forest: Forest<Pages<Node, 32>>,
+    /// The lane that leads to each node: eight times its node, and the number of the lane. Of a root, `ROOT` and its cell. Of
     /// a node that is not used, one more than the next such node, or 0.
     parents: Pages<u32, 256>,
     /// One more than the first node that is not used; 0 if all are.
@@ -52,7 +52,7 @@ pub struct DynamicTree {
 enum Place {
     #[default]
     Absent,
-    /// In this lane: four times its node, and the number of the lane.
+    /// In this lane: eight times its node, and the number of the lane.
     Lane { cell: u16, lane: u32 },
     /// At this position of the list of enormous boxes.
     Large(u32),
@@ -97,9 +97,9 @@ impl DynamicTree {
     /// side, on `layers`. Memory grows with the largest number. It waits for [`DynamicTree::settle`].
     ///
     /// # Panics
-    /// If it is in the tree, or 2³⁰ or more.
+    /// If it is in the tree, or 2²⁸ or more.
     pub fn insert(&mut self, leaf: u32, bounds: Aabb, margin: f64, layers: u32) {
-        assert!(leaf < 1 << 30, "leaf numbers are below 2^30");
+        assert!(leaf < 1 << 28, "leaf numbers are below 2^28");
         while self.places.len() <= leaf as usize {
             self.places.push(Place::Absent);
         }
@@ -293,9 +293,9 @@ impl DynamicTree {
 }
 
 impl Rooted for DynamicTree {
-    type Nodes = Pages<Node>;
+    type Nodes = Pages<Node, 32>;
 
-    fn forest(&self) -> &Forest<Pages<Node>> {
+    fn forest(&self) -> &Forest<Pages<Node, 32>> {
         &self.forest
     }
 

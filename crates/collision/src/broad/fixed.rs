@@ -17,10 +17,10 @@ pub struct StaticTree {
 }
 
 impl StaticTree {
-    /// Builds a tree over `boxes`, fewer than 2³⁰ of them, with finite corners. About 0.3 µs a box.
+    /// Builds a tree over `boxes`, fewer than 2²⁸ of them, with finite corners. About 0.3 µs a box.
     ///
     /// # Panics
-    /// If there are 2³⁰ boxes or more.
+    /// If there are 2²⁸ boxes or more.
     #[must_use]
     pub fn build(boxes: &[Aabb]) -> Self {
         Self::build_on_layers(boxes.iter().map(|bounds| (*bounds, ALL_LAYERS)))
@@ -29,10 +29,10 @@ impl StaticTree {
     /// As [`StaticTree::build`], with the layers of each box.
     ///
     /// # Panics
-    /// If there are 2³⁰ boxes or more.
+    /// If there are 2²⁸ boxes or more.
     #[must_use]
     pub fn build_on_layers(boxes: impl ExactSizeIterator<Item = (Aabb, u32)>) -> Self {
-        assert!(boxes.len() < 1 << 30, "fewer than 2^30 boxes");
+        assert!(boxes.len() < 1 << 28, "fewer than 2^28 boxes");
         let mut tree = Self { len: boxes.len(), ..Self::default() };
         let boxes: Vec<Large> =
             (0..).zip(boxes).map(|(leaf, (bounds, layers))| Large { leaf, bounds, layers }).collect();

@@ -35,7 +35,7 @@ pub(super) trait Nodes {
     fn node(&self, index: u32) -> &Node;
 }
 
-impl Nodes for Pages<Node> {
+impl Nodes for Pages<Node, 32> {
     fn node(&self, index: u32) -> &Node {
         &self[index as usize]
     }

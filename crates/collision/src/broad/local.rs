@@ -4,8 +4,9 @@
 //! The difference to the cell's origin is rounded to f32 and moved outwards by one unit in the last place. Seen from the
 //! middle of what is near, f32 tells places apart that are 6e-8 of their distance from there.
 
-use glam::{DVec3, Vec3A, Vec4};
+use glam::{DVec3, Vec3A};
 
+use super::wide::Wide;
 use crate::{math::Aabb, tolerance};
 
 /// A box in metres from the origin of its cell.
@@ -54,10 +55,10 @@ impl LocalBox {
         self.min + self.max
     }
 
-    /// Its six planes, each in all four lanes: lower x, y, z, then upper.
-    pub(super) fn splat(self) -> [Vec4; 6] {
+    /// Its six planes, each in all lanes: lower x, y, z, then upper.
+    pub(super) fn splat(self) -> [Wide; 6] {
         let (min, max) = (self.min, self.max);
-        [min.x, min.y, min.z, max.x, max.y, max.z].map(Vec4::splat)
+        [min.x, min.y, min.z, max.x, max.y, max.z].map(Wide::splat)
     }
 }
 

@@ -13,6 +13,7 @@ mod node;
 mod pairs;
 mod path;
 mod traverse;
+mod wide;
 
 pub use dynamic::{DynamicTree, Refit};
 pub use fixed::StaticTree;

@@ -1,18 +1,21 @@
-//! A node of a tree: up to four boxes side by side, so that one test serves all four.
+//! A node of a tree: up to eight boxes side by side, so that one test serves all of them.
 //!
 //! Lanes are of fixed width and the arithmetic is the same wherever it runs, so the same boxes are found on every machine.
 
-use glam::{BVec4A, Vec3A, Vec4};
+use glam::Vec3A;
 
-use super::local::LocalBox;
+use super::{
+    local::LocalBox,
+    wide::{Mask, Wide},
+};
 
 /// Boxes of a node at most.
-pub(super) const LANES: usize = 4;
+pub(super) use super::wide::LANES;
 
 /// No node.
 pub(super) const NO_NODE: u32 = u32::MAX >> 2;
 
-/// What a lane leads to: nothing, a leaf or a node. Of 31 bits, so a tree has fewer than 2³⁰ nodes, and leaf numbers are
+/// What a lane leads to: nothing, a leaf or a node. A tree has fewer than 2²⁸ nodes, whose lanes are numbered with 31 bits; leaf numbers are
 /// below 2³¹ − 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Child(u32);
@@ -48,12 +51,12 @@ impl Child {
     }
 }
 
-/// Four boxes: lower x, y, z, then upper x, y, z of all lanes; what they lead to; and the layers of everything below.
-/// An empty lane has a box that nothing touches. Two cache lines.
+/// Eight boxes: lower x, y, z, then upper x, y, z of all lanes; what they lead to; and the layers of everything below.
+/// An empty lane has a box that nothing touches. Four cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    pub(super) planes: [Vec4; 6],
+    pub(super) planes: [Wide; 6],
     pub(super) children: [Child; LANES],
     pub(super) layers: [u32; LANES],
 }
@@ -67,12 +70,12 @@ impl Default for Node {
 impl Node {
     pub(super) const EMPTY: Self = Self {
         planes: [
-            Vec4::INFINITY,
-            Vec4::INFINITY,
-            Vec4::INFINITY,
-            Vec4::NEG_INFINITY,
-            Vec4::NEG_INFINITY,
-            Vec4::NEG_INFINITY,
+            Wide::splat(f32::INFINITY),
+            Wide::splat(f32::INFINITY),
+            Wide::splat(f32::INFINITY),
+            Wide::splat(f32::NEG_INFINITY),
+            Wide::splat(f32::NEG_INFINITY),
+            Wide::splat(f32::NEG_INFINITY),
         ],
         children: [Child::NOTHING; LANES],
         layers: [0; LANES],
@@ -80,15 +83,15 @@ impl Node {
 
     /// The box of a lane.
     pub(super) fn lane(&self, lane: usize) -> LocalBox {
-        let [min_x, min_y, min_z, max_x, max_y, max_z] = self.planes.map(|plane| plane[lane]);
+        let [min_x, min_y, min_z, max_x, max_y, max_z] = [0, 1, 2, 3, 4, 5].map(|plane| self.planes[plane].get(lane));
         LocalBox { min: Vec3A::new(min_x, min_y, min_z), max: Vec3A::new(max_x, max_y, max_z) }
     }
 
     /// Changes the box of a lane.
     pub(super) fn set_box(&mut self, lane: usize, bounds: LocalBox) {
         for axis in 0..3 {
-            self.planes[axis][lane] = bounds.min[axis];
-            self.planes[axis + 3][lane] = bounds.max[axis];
+            self.planes[axis].set(lane, bounds.min[axis]);
+            self.planes[axis + 3].set(lane, bounds.max[axis]);
         }
     }
 
@@ -144,18 +147,18 @@ impl Node {
     }
 
     /// The lanes whose boxes touch a box, given plane by plane, a bit for each.
-    pub(super) fn touching(&self, query: &[Vec4; 6]) -> Lanes {
+    pub(super) fn touching(&self, query: &[Wide; 6]) -> Lanes {
         let [min_x, min_y, min_z, max_x, max_y, max_z] = &self.planes;
-        let x = min_x.cmple(query[3]) & max_x.cmpge(query[0]);
-        let y = min_y.cmple(query[4]) & max_y.cmpge(query[1]);
-        let z = min_z.cmple(query[5]) & max_z.cmpge(query[2]);
+        let x = min_x.at_most(query[3]) & query[0].at_most(*max_x);
+        let y = min_y.at_most(query[4]) & query[1].at_most(*max_y);
+        let z = min_z.at_most(query[5]) & query[2].at_most(*max_z);
         Lanes::of(x & y & z)
     }
 
     /// The half areas of its boxes, and of their unions with another, m²; NaN or infinite for empty lanes.
-    pub(super) fn half_areas_with(&self, other: &[Vec4; 6]) -> (Vec4, Vec4) {
+    pub(super) fn half_areas_with(&self, other: &[Wide; 6]) -> (Wide, Wide) {
         let p = &self.planes;
-        let area = |x: Vec4, y: Vec4, z: Vec4| x * y + y * z + z * x;
+        let area = |x: Wide, y: Wide, z: Wide| x * y + y * z + z * x;
         let extent = |axis: usize| p[axis + 3] - p[axis];
         let united = |axis: usize| p[axis + 3].max(other[axis + 3]) - p[axis].min(other[axis]);
         (area(extent(0), extent(1), extent(2)), area(united(0), united(1), united(2)))
@@ -175,8 +178,8 @@ impl Node {
 pub(super) struct Lanes(u32);
 
 impl Lanes {
-    pub(super) fn of(mask: BVec4A) -> Self {
-        Self(mask.bitmask())
+    pub(super) fn of(mask: Mask) -> Self {
+        Self(mask.bits())
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! # Method
 //! The tree is joined with itself: a node with itself gives the pairs of its lanes, two nodes give the pairs of their lanes
-//! that touch, four tests at a time, and a leaf goes on against a node alone. What is listed beside the nodes, and cells
+//! that touch, eight tests at a time, and a leaf goes on against a node alone. What is listed beside the nodes, and cells
 //! whose boxes touch, are searched box by box.
 //!
 //! # Source
@@ -20,7 +20,7 @@ use super::{
 };
 use crate::math::Aabb;
 
-/// What is still to be joined. A lane is four times its node, and the number of the lane.
+/// What is still to be joined. A lane is eight times its node, and the number of the lane.
 #[derive(Clone, Copy)]
 enum Join {
     /// All pairs below a node.

@@ -1,7 +1,7 @@
 //! The way of a point or of a box, and where it enters a box.
 //!
 //! # Method
-//! A path is tested against the box of a cell in f64, restarted where it enters it, and rounded to f32 there; below, four
+//! A path is tested against the box of a cell in f64, restarted where it enters it, and rounded to f32 there; below, eight
 //! boxes are tested at a time. What rounding may shift, the origin and reach once and the direction over the whole length
 //! within the cell, widens the path: Ize's factor alone covers the rounding of the test itself only.
 //!
@@ -9,9 +9,12 @@
 //! Slab test: Williams, Barrus, Morley, Shirley, "An Efficient and Robust Ray-Box Intersection Algorithm", 2005, with
 //! the widening of Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
-use glam::{DVec3, Vec4};
+use glam::DVec3;
 
-use super::node::{Lanes, Node};
+use super::{
+    node::{Lanes, Node},
+    wide::Wide,
+};
 use crate::{math::Aabb, tolerance};
 
 /// The way of a point or of a box: `origin + t * direction` for `t >= 0`, and all points within `reach` of it in each
@@ -104,9 +107,9 @@ pub(super) struct LocalPath {
     /// Of each axis: whether a box is entered by its upper plane and left by its lower one.
     is_backwards: [bool; 3],
     /// What is taken from the one and from the other: the origin, moved by the reach and by all that was rounded.
-    origin_entered: [Vec4; 3],
-    origin_left: [Vec4; 3],
-    inverse: [Vec4; 3],
+    origin_entered: [Wide; 3],
+    origin_left: [Wide; 3],
+    inverse: [Wide; 3],
     /// The `t` where `s` is 0, and where the cell is left.
     start: f64,
     end: f64,
@@ -129,7 +132,7 @@ impl LocalPath {
         let reach = path.reach + slack;
         let (low, high) = (origin - reach, origin + reach);
         let backwards = signs(direction);
-        let splat = |v: DVec3| v.as_vec3().to_array().map(Vec4::splat);
+        let splat = |v: DVec3| v.as_vec3().to_array().map(Wide::splat);
         Some(Self {
             is_backwards: backwards,
             origin_entered: splat(select(backwards, low, high)),
@@ -148,7 +151,7 @@ impl LocalPath {
 
     /// The lanes whose boxes are entered before `limit`, and an `s` at or before which each is.
     #[inline]
-    pub(super) fn entering(&self, node: &Node, limit: f32) -> (Lanes, Vec4) {
+    pub(super) fn entering(&self, node: &Node, limit: f32) -> (Lanes, Wide) {
         let [x, y, z] = [0, 1, 2].map(|axis| {
             let is_backwards = self.is_backwards[axis];
             let entered = node.planes[axis + 3 * usize::from(is_backwards)];
@@ -157,16 +160,16 @@ impl LocalPath {
             let far = (left - self.origin_left[axis]) * self.inverse[axis];
             (near, far)
         });
-        let entry = x.0.max(y.0).max(z.0.max(Vec4::ZERO));
-        let exit = x.1.min(y.1).min(z.1.min(Vec4::splat(limit)));
-        (Lanes::of(entry.cmple(exit * tolerance::TREE_SLAB_WIDENING)), entry)
+        let entry = x.0.max(y.0).max(z.0.max(Wide::splat(0.0)));
+        let exit = x.1.min(y.1).min(z.1.min(Wide::splat(limit)));
+        (Lanes::of(entry.at_most(exit * Wide::splat(tolerance::TREE_SLAB_WIDENING))), entry)
     }
 }
 
 /// 1 over a component of a direction. A finite number for 0, so that there is no 0 · ∞: whoever stands in a wall and does
 /// not move across it has entered at once, whoever stands outside enters beyond any limit.
-fn inverse(component: f32) -> Vec4 {
-    Vec4::splat(component.recip().clamp(f32::MIN, f32::MAX))
+fn inverse(component: f32) -> Wide {
+    Wide::splat(component.recip().clamp(f32::MIN, f32::MAX))
 }
 
 /// A power of two, by which a positive number comes to lie in [1, 2), or as near to it as a normal factor brings it.

@@ -1,7 +1,7 @@
 //! How a tree of boxes is searched: by a box, along a path with a shrinking limit, and nearest first.
 //!
 //! # Method
-//! One loop for each kind of search. Each takes a node of four boxes at a time and goes on with those that qualify: by a
+//! One loop for each kind of search. Each takes a node of eight boxes at a time and goes on with those that qualify: by a
 //! box in any order, along a path the nearest entry first, and for the nearest from a list of open nodes in order, so that no
 //! node is looked at that is farther than the final answer. A node is skipped only if it lies beyond the limit, which the
 //! visitor lowers as it finds certain hits. Stacks and lists grow: no node is ever dropped. They have room for a usual
@@ -9,7 +9,6 @@
 
 use std::ops::ControlFlow;
 
-use glam::Vec4;
 use smallvec::SmallVec;
 
 use super::{
@@ -18,6 +17,7 @@ use super::{
     node::{Child, Lanes, NO_NODE, Node, Target},
     pairs::each_pair,
     path::{LocalPath, Path},
+    wide::Wide,
 };
 use crate::{answer::Work, math::Aabb, tolerance};
 
@@ -287,7 +287,7 @@ fn follow<T: Toll, N: Nodes>(
 }
 
 /// The lane to go on with, which is the nearest; the others are put on a stack so that the nearer ones come off first.
-fn push_but_nearest(stack: &mut SmallVec<[Open; 64]>, node: &Node, mut lanes: Lanes, entries: Vec4) -> Option<Open> {
+fn push_but_nearest(stack: &mut SmallVec<[Open; 64]>, node: &Node, mut lanes: Lanes, entries: Wide) -> Option<Open> {
     let entries = entries.to_array();
     let open = |lane: usize| Open { begins: entries[lane], child: node.children[lane] };
     let mut nearest = open(lanes.next()?);
@@ -332,9 +332,9 @@ fn approach<T: Toll, N: Nodes>(
                 toll.pay()?;
                 let node = forest.nodes.node(index);
                 let distances_sq = distances_sq(node, &query);
-                let lanes = Lanes::of(distances_sq.cmple(Vec4::splat(limit_sq)));
+                let lanes = Lanes::of(distances_sq.at_most(Wide::splat(limit_sq)));
                 for lane in node.on_layers(lanes, layers).filter(|&lane| node.children[lane] != Child::NOTHING) {
-                    let found = Open { begins: distances_sq[lane], child: node.children[lane] };
+                    let found = Open { begins: distances_sq.get(lane), child: node.children[lane] };
                     let at = open.partition_point(|other| other.begins > found.begins);
                     open.insert(at, found);
                 }
@@ -362,11 +362,11 @@ fn squared(limit: f64) -> f32 {
 }
 
 /// Not above the squared distances of the boxes of a node to a box.
-fn distances_sq(node: &Node, query: &[Vec4; 6]) -> Vec4 {
+fn distances_sq(node: &Node, query: &[Wide; 6]) -> Wide {
     let gap = |axis: usize| {
         let (below, above) = (query[axis] - node.planes[axis + 3], node.planes[axis] - query[axis + 3]);
-        below.max(above).max(Vec4::ZERO)
+        below.max(above).max(Wide::splat(0.0))
     };
     let (x, y, z) = (gap(0), gap(1), gap(2));
-    (x * x + y * y + z * z) * tolerance::TREE_NARROWING
+    (x * x + y * y + z * z) * Wide::splat(tolerance::TREE_NARROWING)
 }

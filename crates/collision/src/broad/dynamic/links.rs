@@ -227,12 +227,12 @@ impl DynamicTree {
             let mut descent: Option<(f32, u32)> = None;
             for lane in 0..LANES {
                 if let Target::Node(below) = node.children[lane].target() {
-                    let least = growth_above + (united[lane] - areas[lane]);
+                    let least = growth_above + (united.get(lane) - areas.get(lane));
                     if descent.is_none_or(|(other, _)| least < other) {
                         descent = Some((least, below));
                     }
-                } else if growth_above + united[lane] < best.0 {
-                    best = (growth_above + united[lane], Spot::Beside(lane_number(index, lane)), level);
+                } else if growth_above + united.get(lane) < best.0 {
+                    best = (growth_above + united.get(lane), Spot::Beside(lane_number(index, lane)), level);
                 }
             }
             match descent {

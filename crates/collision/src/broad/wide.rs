@@ -1,0 +1,119 @@
+//! Eight numbers side by side: one for each box of a node.
+//!
+//! # Method
+//! Two vectors of four, which every processor has. The arithmetic is the same wherever it runs.
+
+use std::ops::{Add, BitAnd, Mul, Sub};
+
+use glam::{BVec4A, Vec4};
+
+/// How many numbers there are.
+pub(super) const LANES: usize = 8;
+
+/// Eight numbers.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(super) struct Wide([Vec4; 2]);
+
+/// Of each of eight numbers, whether something holds.
+#[derive(Clone, Copy)]
+pub(super) struct Mask([BVec4A; 2]);
+
+impl Wide {
+    /// The same number in all lanes.
+    #[inline]
+    pub(super) const fn splat(value: f32) -> Self {
+        Self([Vec4::splat(value); 2])
+    }
+
+    #[inline]
+    pub(super) fn get(&self, lane: usize) -> f32 {
+        self.0[lane / 4][lane % 4]
+    }
+
+    #[inline]
+    pub(super) fn set(&mut self, lane: usize, value: f32) {
+        self.0[lane / 4][lane % 4] = value;
+    }
+
+    #[inline]
+    pub(super) fn to_array(self) -> [f32; LANES] {
+        let [a, b] = self.0.map(|four| four.to_array());
+        [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]]
+    }
+
+    #[inline]
+    pub(super) fn min(self, other: Self) -> Self {
+        self.each(other, Vec4::min)
+    }
+
+    #[inline]
+    pub(super) fn max(self, other: Self) -> Self {
+        self.each(other, Vec4::max)
+    }
+
+    #[inline]
+    pub(super) fn min_element(self) -> f32 {
+        self.0[0].min(self.0[1]).min_element()
+    }
+
+    #[inline]
+    pub(super) fn max_element(self) -> f32 {
+        self.0[0].max(self.0[1]).max_element()
+    }
+
+    /// Where a number is at most the other.
+    #[inline]
+    pub(super) fn at_most(self, other: Self) -> Mask {
+        Mask([self.0[0].cmple(other.0[0]), self.0[1].cmple(other.0[1])])
+    }
+
+    #[inline]
+    fn each(self, other: Self, of: impl Fn(Vec4, Vec4) -> Vec4) -> Self {
+        Self([of(self.0[0], other.0[0]), of(self.0[1], other.0[1])])
+    }
+}
+
+impl Sub for Wide {
+    type Output = Self;
+
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        self.each(other, Vec4::sub)
+    }
+}
+
+impl Mul for Wide {
+    type Output = Self;
+
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        self.each(other, Vec4::mul)
+    }
+}
+
+impl Add for Wide {
+    type Output = Self;
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        self.each(other, Vec4::add)
+    }
+}
+
+impl Mask {
+    /// A bit for each lane, that of the first the lowest.
+    #[inline]
+    pub(super) fn bits(self) -> u32 {
+        self.0[0].bitmask() | self.0[1].bitmask() << 4
+    }
+}
+
+impl BitAnd for Mask {
+    type Output = Self;
+
+    #[inline]
+    fn bitand(self, other: Self) -> Self {
+        Self([self.0[0] & other.0[0], self.0[1] & other.0[1]])
+    }
+}
