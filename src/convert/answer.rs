@@ -133,7 +133,7 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
         QuestionError::NeedsDecomposition(id) => {
             let with = id.map_or_else(|| "the geometry in against".to_owned(), |id| format!("shape {id}"));
             let what = format!(
-                "the subject and {with} are both meshes: a depth needs convex parts of one of them, which are not made \
+                "the subject and {with} both have meshes: a depth needs convex parts of one of them, which are not made \
                  yet; meanwhile ask Overlap, or place hulls"
             );
             Problem::new(Reason::NeedsDecomposition, what).with_shape(id_or_none(*id))

@@ -9,6 +9,7 @@ use collision::{
 use wire::v1::{self as pb, geometry::Kind};
 
 use super::{
+    compound,
     number::unknown_enum,
     place::{aabb_out, column_number},
 };
@@ -24,7 +25,7 @@ use crate::{
 pub(crate) fn of_shape(sent: &pb::Geometry, known: &Geometries) -> Checked<Arc<Geometry>> {
     match named(sent, known)? {
         Some(named) => Ok(named),
-        None => Ok(known.share(made_anew(sent, known)?)),
+        None => Ok(known.share(made_anew(sent, known, 0)?)),
     }
 }
 
@@ -35,7 +36,18 @@ pub(crate) fn of_shape(sent: &pb::Geometry, known: &Geometries) -> Checked<Arc<G
 pub(crate) fn of_question(sent: &pb::Geometry, known: &Geometries) -> Checked<Arc<Geometry>> {
     match named(sent, known)? {
         Some(named) => Ok(named),
-        None => Ok(Arc::new(made_anew(sent, known)?)),
+        None => Ok(Arc::new(made_anew(sent, known, 0)?)),
+    }
+}
+
+/// A geometry in a compound that is in so many others.
+///
+/// # Errors
+/// As [`of_shape`].
+pub(super) fn part_of(sent: &pb::Geometry, known: &Geometries, level: u32) -> Checked<Arc<Geometry>> {
+    match named(sent, known)? {
+        Some(named) => Ok(named),
+        None => Ok(Arc::new(made_anew(sent, known, level)?)),
     }
 }
 
@@ -44,7 +56,7 @@ pub(crate) fn of_question(sent: &pb::Geometry, known: &Geometries) -> Checked<Ar
 /// # Errors
 /// As [`of_shape`].
 pub(crate) fn registrable(sent: &pb::Geometry, known: &Geometries) -> Checked<Geometry> {
-    made_anew(sent, known)
+    made_anew(sent, known, 0)
 }
 
 /// A registered geometry that is taken as it is.
@@ -55,22 +67,23 @@ fn named(sent: &pb::Geometry, known: &Geometries) -> Checked<Option<Arc<Geometry
     }
 }
 
-/// A geometry made from what was sent, be it from another one.
-fn made_anew(sent: &pb::Geometry, known: &Geometries) -> Checked<Geometry> {
+/// A geometry made from what was sent, be it from another one; it is in so many compounds.
+fn made_anew(sent: &pb::Geometry, known: &Geometries, level: u32) -> Checked<Geometry> {
     match &sent.kind {
         Some(Kind::GeometryId(id)) => dressed(Geometry::clone(&*known.get(id)?), sent),
+        Some(Kind::Compound(compound)) => dressed(compound::read(compound, known, level).under("compound")?, sent),
         _ => dressed(bare(sent)?, sent),
     }
 }
 
-/// The form without rounding and scale.
+/// The form without rounding and scale, of a kind that holds no others.
 fn bare(sent: &pb::Geometry) -> Checked<Geometry> {
     match &sent.kind {
         None => Err(Problem::at(
             "kind",
             Reason::Missing,
-            "is absent: a geometry is a point, sphere, box, capsule, cylinder, cone, ellipsoid, hull, half_space, mesh or \
-             geometry_id, such as {\"sphere\": {\"radius\": 1}}",
+            "is absent: a geometry is a point, sphere, box, capsule, cylinder, cone, ellipsoid, hull, half_space, mesh, \
+             compound or geometry_id, such as {\"sphere\": {\"radius\": 1}}",
         )),
         Some(Kind::Point(pb::Point {})) => Ok(Geometry::point()),
         Some(Kind::Sphere(sphere)) => made("sphere", Geometry::sphere(sphere.radius)),
@@ -89,8 +102,9 @@ fn bare(sent: &pb::Geometry) -> Checked<Geometry> {
         }
         Some(Kind::Mesh(mesh)) => triangles(mesh).under("mesh"),
         Some(Kind::HeightField(_)) => Err(not_yet("height_field", "place a mesh of two triangles for each cell")),
-        Some(Kind::Compound(_)) => Err(not_yet("compound", "place one shape for each part, all of one group")),
-        Some(Kind::GeometryId(_)) => Err(Problem::at("geometry_id", Reason::BadGeometry, "names another geometry")),
+        Some(Kind::Compound(_) | Kind::GeometryId(_)) => {
+            Err(Problem::at("kind", Reason::BadGeometry, "is made of other geometries"))
+        }
     }
 }
 
@@ -159,7 +173,7 @@ fn points(field: &'static str, numbers: &[f32]) -> Checked<Vec<DVec3>> {
     Ok(checked)
 }
 
-fn made(kind: &'static str, result: Result<Geometry, GeometryError>) -> Checked<Geometry> {
+pub(super) fn made(kind: &'static str, result: Result<Geometry, GeometryError>) -> Checked<Geometry> {
     result.map_err(refused).under(kind)
 }
 
@@ -193,11 +207,11 @@ pub(crate) fn is_half_space(geometry: &Geometry) -> bool {
     matches!(geometry.form(), Form::HalfSpace(_))
 }
 
-/// A geometry as a shape's: simple forms in place, hulls and meshes by id.
+/// A geometry as a shape's: simple forms in place, hulls, meshes and compounds by id.
 pub(crate) fn geometry_out(geometry: &Geometry) -> pb::Geometry {
     let (kind, rounding) = match geometry.form() {
         Form::Convex(convex) => convex_out(convex).unwrap_or_else(|| (by_id(geometry), 0.0)),
-        Form::Mesh(_) => (by_id(geometry), 0.0),
+        Form::Mesh(_) | Form::Compound(_) => (by_id(geometry), 0.0),
         Form::HalfSpace(space) => (half_space_out(space), 0.0),
     };
     pb::Geometry { kind: Some(kind), rounding, scale: None }
@@ -239,24 +253,44 @@ fn convex_out(convex: &Convex) -> Option<(Kind, f64)> {
 /// # Errors
 /// Its bounds are not finite, which is a fault of the server.
 pub(crate) fn info_out(geometry: &Geometry, shape_count: u64) -> Checked<pb::GeometryInfo> {
-    let (vertex_count, face_count, warnings) = match geometry.form() {
-        Form::Convex(convex) => (convex_vertex_count(&convex.core), 0, Vec::new()),
-        Form::Mesh(mesh) => (mesh.vertices().len(), mesh.triangles().len(), mesh_warnings(mesh)),
-        Form::HalfSpace(_) => (0, 0, Vec::new()),
-    };
+    let Counts { vertex_count, face_count } = counts(geometry);
+    let warnings = if let Form::Mesh(mesh) = geometry.form() { mesh_warnings(mesh) } else { Vec::new() };
     Ok(pb::GeometryInfo {
         geometry_id: id_text(geometry.id()),
         state: pb::GeometryState::Ready.into(),
         progress: 1.0,
         bounds: Some(aabb_out(geometry.local_bounds())?),
-        vertex_count: vertex_count as u64,
-        face_count: face_count as u64,
+        vertex_count,
+        face_count,
         decomposition: None,
         memory_bytes: geometry.memory_bytes(),
         shape_count,
         warnings,
         problem: None,
     })
+}
+
+/// Of vertices, and of triangles or cells.
+#[derive(Default)]
+struct Counts {
+    vertex_count: u64,
+    face_count: u64,
+}
+
+/// Those of a compound are the sums of those of its parts.
+fn counts(geometry: &Geometry) -> Counts {
+    let of = |vertices: usize, faces: usize| Counts { vertex_count: vertices as u64, face_count: faces as u64 };
+    match geometry.form() {
+        Form::Convex(convex) => of(convex_vertex_count(&convex.core), 0),
+        Form::Mesh(mesh) => of(mesh.vertices().len(), mesh.triangles().len()),
+        Form::HalfSpace(_) => Counts::default(),
+        Form::Compound(compound) => {
+            compound.parts().iter().map(|part| counts(&part.geometry)).fold(Counts::default(), |sum, part| Counts {
+                vertex_count: sum.vertex_count + part.vertex_count,
+                face_count: sum.face_count + part.face_count,
+            })
+        }
+    }
 }
 
 fn convex_vertex_count(core: &Core) -> usize {

@@ -6,6 +6,7 @@
 
 pub(crate) mod answer;
 pub(crate) mod columns;
+mod compound;
 pub(crate) mod edit;
 pub(crate) mod geometry;
 pub(crate) mod hit_columns;

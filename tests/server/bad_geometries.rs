@@ -90,7 +90,6 @@ fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
         (pb::Geometry { scale: Some(0.0), ..sphere(1.0) }, ("OUT_OF_LIMITS", "geometry.scale", &["above 0"])),
         (geometry(Kind::GeometryId("beef".to_owned())), ("GEOMETRY_NOT_FOUND", "geometry.geometry_id", &["\"beef\""])),
         (geometry(Kind::HeightField(pb::HeightField::default())), ("NOT_YET", "geometry.height_field", &["meanwhile"])),
-        (geometry(Kind::Compound(pb::Compound::default())), ("NOT_YET", "geometry.compound", &["meanwhile"])),
     ]
 }
 

@@ -7,6 +7,7 @@ mod batch;
 mod bullets;
 mod by_hand;
 mod columns;
+mod compounds;
 mod edit_stream;
 mod edits;
 mod forks;

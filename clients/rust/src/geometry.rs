@@ -41,7 +41,7 @@ pub fn half_space(normal: [f64; 3], offset: f64) -> proto::Geometry {
     of(Kind::HalfSpace(proto::HalfSpace { normal: Some(vec3(normal)), offset }))
 }
 
-/// The same form with all points within `rounding` of it: any kind but a mesh.
+/// The same form with all points within `rounding` of it: convex kinds and half spaces only.
 ///
 /// ```
 /// use calipers_client::geometry;
@@ -74,6 +74,20 @@ pub fn mesh(
         mode: proto::MeshMode::TwoSided.into(),
         decompose: None,
     }))
+}
+
+/// Several geometries as one, each at a pose in the frame of the whole.
+///
+/// ```
+/// use calipers_client::{geometry, proto};
+/// let at = |x| proto::Pose { position: Some(proto::Vec3 { x, y: 0.0, z: 0.0 }), rotation: None };
+/// let dumbbell = geometry::compound([(geometry::sphere(0.5), at(-1.0)), (geometry::sphere(0.5), at(1.0))]);
+/// # let Some(proto::geometry::Kind::Compound(compound)) = dumbbell.kind else { panic!() };
+/// # assert_eq!(compound.parts.len(), 2);
+/// ```
+pub fn compound(parts: impl IntoIterator<Item = (proto::Geometry, proto::Pose)>) -> proto::Geometry {
+    let part = |(geometry, pose)| proto::CompoundPart { geometry: Some(geometry), pose: Some(pose) };
+    of(Kind::Compound(proto::Compound { parts: parts.into_iter().map(part).collect() }))
 }
 
 /// A registered geometry, by the id that [`Client::create_geometry`](crate::Client::create_geometry) returned.

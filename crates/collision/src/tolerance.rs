@@ -169,8 +169,16 @@ pub const TURNED_LOWEST_POINT: f64 = 128.0 * ROUNDING;
 
 /// One form's pose in the frame of another is off by less than this part of their distance and reach: 111 roundings for a
 /// position turned into the frame, and 4 · 30 · √3 for the product of two rounded unit quaternions as a rotation, 319
-/// together. Larger: more triangles are looked at; smaller: one might not be. Test: `pieces_laws.rs`, exact touch.
+/// together. The pose of a part of a compound is off by as much, counted as a length. Larger: more triangles are looked at, and
+/// intervals of parts are wider; smaller: one might not be, or miss the truth. Test: `pieces_laws.rs`, exact touch, and
+/// `compounds.rs`, whole rotations.
 pub const RELATIVE_POSE: f64 = 512.0 * ROUNDING;
+
+/// How far the axes of a part may lean from where its pose puts them: a product of two rotations leans by less than 208
+/// roundings, as in [`RELATIVE_POSE`], and compounds are in each other four deep at most; twice that is taken. Larger: more
+/// rays that graze a triangle of a part are undecided. Smaller: a triangle might be seen from the wrong side. Test:
+/// `compounds.rs`, rays.
+pub const PART_LEAN: f64 = 2048.0 * ROUNDING;
 
 /// How far corners of one triangle may differ in height along its normal, and how far a point must lie above a plane to
 /// see it, while a polytope expands: 16 roundings, since three products and two sums of values below 2 are off by at most 8,

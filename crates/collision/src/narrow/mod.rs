@@ -7,6 +7,7 @@ mod advance;
 mod convex;
 mod half_space;
 mod pieces;
+mod place;
 mod ray;
 
 use glam::DVec3;
@@ -34,10 +35,14 @@ pub struct Placed<'a> {
 }
 
 impl<'a> Placed<'a> {
+    fn is_compound(&self) -> bool {
+        matches!(self.geometry.form(), Form::Compound(_))
+    }
+
     fn as_convex(&self) -> Option<PlacedConvex<'a>> {
         match self.geometry.form() {
-            Form::Convex(convex) => Some(PlacedConvex { convex, pose: self.pose }),
-            Form::Mesh(_) | Form::HalfSpace(_) => None,
+            Form::Convex(convex) => Some(PlacedConvex::new(convex, self.pose)),
+            Form::Mesh(_) | Form::Compound(_) | Form::HalfSpace(_) => None,
         }
     }
 }
@@ -139,7 +144,7 @@ pub fn distance(a: Placed<'_>, b: Placed<'_>, limit: f64, accuracy: &Accuracy, w
     }
 }
 
-/// As [`distance`], beginning where the last question about this pair ended: see [`Warm`]. Meshes remember nothing.
+/// As [`distance`], beginning where the last question about this pair ended: see [`Warm`]. Concave forms remember nothing.
 pub fn distance_warm(
     a: Placed<'_>,
     b: Placed<'_>,
@@ -168,7 +173,7 @@ pub fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Wor
     }
 }
 
-/// Whether two convex geometries, or a half space and any form, come within `margin` metres (at least 0) of each other; otherwise `None` if one is a mesh, whose
+/// Whether two convex geometries, or a half space and any form but a compound, come within `margin` metres (at least 0) of each other; otherwise `None` if one is concave, whose
 /// answer is that of [`distance`] with `margin` for its limit. The work ends as soon as this is proved either way, and the
 /// bound, which is that of the signed distance, is as wide as it is then.
 ///
@@ -188,7 +193,7 @@ pub fn within(a: Placed<'_>, b: Placed<'_>, margin: f64, accuracy: &Accuracy, wo
 }
 
 /// How deep two convex geometries are in each other, without contact points. `None` if they are proved to be more than
-/// `max_gap` metres apart, or if one is a mesh: see [`penetration`]. Half spaces are as in [`penetration`].
+/// `max_gap` metres apart, or if one is concave: see [`penetration`]. Half spaces are as in [`penetration`].
 pub fn depth(a: Placed<'_>, b: Placed<'_>, max_gap: f64, accuracy: &Accuracy, work: &mut Work) -> Option<Depth> {
     if let Some(pair) = half_space::Pair::of(&a, &b) {
         return pair.depth(max_gap, work);
@@ -200,7 +205,7 @@ pub fn depth(a: Placed<'_>, b: Placed<'_>, max_gap: f64, accuracy: &Accuracy, wo
 /// spaces that no way parts have a contact whose depth is bounded below only.
 ///
 /// # Errors
-/// [`NeedsDecomposition`] if both are meshes.
+/// [`NeedsDecomposition`] if both are meshes or compounds with such.
 pub fn penetration(
     a: Placed<'_>,
     b: Placed<'_>,
@@ -217,10 +222,10 @@ pub fn penetration(
     }
 }
 
-/// As [`penetration`], beginning where the last question about this pair ended: see [`Warm`]. Meshes remember nothing.
+/// As [`penetration`], beginning where the last question about this pair ended: see [`Warm`]. Concave forms remember nothing.
 ///
 /// # Errors
-/// [`NeedsDecomposition`] if both are meshes.
+/// [`NeedsDecomposition`] if both are meshes or compounds with such.
 pub fn penetration_warm(
     a: Placed<'_>,
     b: Placed<'_>,
@@ -311,12 +316,12 @@ pub fn impact(
         return pair.impact(motion, accuracy, work);
     }
     match (a.as_convex(), b.as_convex()) {
-        (Some(a), Some(b)) => convex::impact(a, b, motion, accuracy, work),
+        (Some(a), Some(b)) => convex::impact(a, b, motion, [DVec3::ZERO; 2], accuracy, work),
         _ => pieces::impact(a, b, motion, accuracy, work),
     }
 }
 
-/// The question needs convex parts, which a mesh does not have yet.
+/// The question needs convex parts, which a mesh, be it part of a compound, does not have yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("both geometries are meshes without convex parts")]
+#[error("both geometries have meshes without convex parts")]
 pub struct NeedsDecomposition;

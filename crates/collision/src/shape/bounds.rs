@@ -17,6 +17,7 @@ pub(super) fn local_bounds(form: &Form) -> Aabb {
         Form::Mesh(mesh) => around(mesh.vertices()),
         Form::Convex(convex) => convex.local_bounds(),
         Form::HalfSpace(half_space) => half_space.bounds(&Pose::IDENTITY),
+        Form::Compound(compound) => compound.bounds(),
     }
 }
 
@@ -26,6 +27,7 @@ pub(super) fn reach(form: &Form) -> f64 {
         Form::Mesh(mesh) => farthest(mesh.vertices()),
         Form::Convex(convex) => convex.reach(),
         Form::HalfSpace(_) => length_up(DVec3::splat(Limits::HALF_SPACE_BOX)),
+        Form::Compound(compound) => compound.reach(),
     }
 }
 
@@ -180,6 +182,16 @@ pub(super) fn around(points: &[DVec3]) -> Aabb {
     let nothing = Aabb::new(DVec3::INFINITY, DVec3::NEG_INFINITY);
     let found = points.iter().fold(nothing, |found, &point| found.union(Aabb::new(point, point)));
     Aabb::new(found.min + DVec3::ZERO, found.max + DVec3::ZERO)
+}
+
+/// The box around boxes of which there is one at least.
+pub(super) fn part_bounds(boxes: impl Iterator<Item = Aabb>) -> Aabb {
+    boxes.reduce(Aabb::union).unwrap_or(Aabb::new(DVec3::ZERO, DVec3::ZERO))
+}
+
+/// The largest distance from the local origin of a part that reaches so far about its own, rounded up.
+pub(super) fn farthest_of_part(position: DVec3, reach: f64) -> f64 {
+    add_up(length_up(position), reach)
 }
 
 fn symmetric(half: DVec3) -> Aabb {

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use super::{
-    Convex, Core, HalfSpace, Hull, Mesh,
+    Compound, Convex, Core, HalfSpace, Hull, Mesh,
     bounds::{local_bounds, placed_bounds, reach},
     identity::content_hash,
     limits::{
@@ -28,6 +28,8 @@ pub enum Form {
     Mesh(Arc<Mesh>),
     /// Everything on one side of a plane.
     HalfSpace(HalfSpace),
+    /// Several geometries as one.
+    Compound(Arc<Compound>),
 }
 
 /// An immutable form in its own local frame. Cheap to clone. Its fields are in this order in memory, those first that
@@ -191,15 +193,15 @@ impl Geometry {
     /// The same form with all points within `rounding` of it; convex forms and half spaces only.
     ///
     /// # Errors
-    /// `rounding` is not finite, negative or out of limits, or the form is a mesh.
+    /// `rounding` is not finite, negative or out of limits, or the form is neither convex nor a half space.
     pub fn rounded(self, rounding: f64) -> Result<Self, GeometryError> {
         let allowed = "0 or from 1e-9 to 1e9 metres, the form's own radius included";
         check_size_or_zero(|| "rounding".into(), rounding, allowed)?;
         match self.form {
-            Form::Mesh(_) if rounding == 0.0 => Ok(self),
-            Form::Mesh(_) => Err(GeometryError::Bad {
+            Form::Mesh(_) | Form::Compound(_) if rounding == 0.0 => Ok(self),
+            Form::Mesh(_) | Form::Compound(_) => Err(GeometryError::Bad {
                 field: "rounding".into(),
-                reason: "is above 0: a mesh takes none, only convex forms do".into(),
+                reason: "is above 0: a mesh or compound takes none, only convex forms do".into(),
             }),
             Form::HalfSpace(half_space) => Ok(Self::of(Form::HalfSpace(half_space.grown(rounding)?))),
             Form::Convex(Convex { core, radius }) => {
@@ -232,6 +234,7 @@ impl Geometry {
         let (core, radius) = match self.form {
             Form::Mesh(mesh) => return Self::of_mesh(mesh.scaled(scale), "scale"),
             Form::HalfSpace(half_space) => return Ok(Self::of(Form::HalfSpace(half_space.scaled(scale)?))),
+            Form::Compound(compound) => return Self::of_compound(compound.scaled(scale)?, "scale"),
             Form::Convex(Convex { core, radius }) => (core, size(radius)?),
         };
         let core = match core {
@@ -262,7 +265,8 @@ impl Geometry {
 
     /// The hash of its content, computed when first asked: blake3 over the kind and its numbers as little-endian f64
     /// (−0 as +0). A hull counts by its distinct points in the order sent; a mesh by its distinct vertices in the order
-    /// of their first use and its kept triangles with the numbers they were sent with.
+    /// of their first use and its kept triangles with the numbers they were sent with; a compound by the ids and poses of its
+    /// parts.
     #[must_use]
     pub fn id(&self) -> GeometryId {
         *self.id.get_or_init(|| content_hash(&self.form))
@@ -298,6 +302,7 @@ impl Geometry {
     pub fn memory_bytes(&self) -> u64 {
         let shared = match &self.form {
             Form::Mesh(mesh) => mesh.memory_bytes(),
+            Form::Compound(compound) => compound.memory_bytes(),
             Form::HalfSpace(_) => 0,
             Form::Convex(convex) => match &convex.core {
                 Core::Hull(hull) => hull.memory_bytes(),
@@ -327,7 +332,7 @@ impl Geometry {
         Ok(Self::of(Form::Mesh(Arc::new(mesh))))
     }
 
-    fn of(form: Form) -> Self {
+    pub(super) fn of(form: Form) -> Self {
         Self { local_bounds: local_bounds(&form), reach: reach(&form), form, id: OnceLock::new() }
     }
 }

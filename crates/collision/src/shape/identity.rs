@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Convex, Core, Form, GeometryId, HalfSpace, Mesh};
+use super::{Compound, Convex, Core, Form, GeometryId, HalfSpace, Mesh};
 
 /// Names the byte form below; another layout takes another name, so that ids of the two never meet.
 const LAYOUT: &[u8] = b"calipers geometry 1";
@@ -14,6 +14,7 @@ pub(super) fn content_hash(form: &Form) -> GeometryId {
         Form::Convex(convex) => content.convex(convex),
         Form::Mesh(mesh) => content.mesh(mesh),
         Form::HalfSpace(half_space) => content.half_space(half_space),
+        Form::Compound(compound) => content.compound(compound),
     }
     GeometryId(*content.0.finalize().as_bytes())
 }
@@ -76,6 +77,17 @@ impl Content {
         self.kind(9);
         self.point(half_space.normal);
         self.number(half_space.offset);
+    }
+
+    /// Parts count by their ids, in the order sent, and their rotations as they were sent.
+    fn compound(&mut self, compound: &Compound) {
+        self.kind(10);
+        self.count(compound.parts().len());
+        for part in compound.parts() {
+            self.0.update(&part.geometry.id().0);
+            self.point(part.pose.position);
+            part.pose.rotation.to_array().into_iter().for_each(|value| self.number(value));
+        }
     }
 
     fn kind(&mut self, kind: u8) {

@@ -22,6 +22,10 @@ impl Limits {
     pub const HULL_POINTS: usize = 65_536;
     /// Most triangles of a mesh.
     pub const MESH_TRIANGLES: usize = 4_000_000;
+    /// Most parts of a compound, those of compounds in it counted one by one.
+    pub const COMPOUND_PARTS: usize = 65_536;
+    /// Most compounds in each other.
+    pub const COMPOUND_DEPTH: u32 = 4;
 }
 
 /// Why a form is refused. `field` names it as the API does, such as `half_extents.y` or `points[7]`.

@@ -6,6 +6,7 @@
 mod adjacency;
 mod bounds;
 mod climb;
+mod compound;
 mod convex;
 mod farthest;
 mod geometry;
@@ -22,6 +23,7 @@ mod solid;
 mod topology;
 
 pub use adjacency::Adjacency;
+pub use compound::{Compound, Part};
 pub use convex::{Convex, Core};
 pub use geometry::{Form, Geometry, GeometryId};
 pub use half_space::HalfSpace;

@@ -1,6 +1,6 @@
 //! What a version of a world holds, what was built for it, and what that costs.
 
-use std::sync::Arc;
+use std::{collections::HashSet, sync::Arc};
 
 use super::{Settings, Snapshot, Tick, Time};
 use crate::{
@@ -73,7 +73,7 @@ impl Snapshot {
         let trees = self.structures();
         let geometry_bytes: u64 = geometries.iter().map(|geometry| geometry.memory_bytes()).sum();
         let tree_bytes: u64 = trees.iter().map(|structure| structure.memory_bytes).sum();
-        let built = trees.into_iter().chain(mesh_trees(&geometries)).collect();
+        let built = trees.into_iter().chain(built_in(&geometries)).collect();
         Description {
             tick: self.tick,
             oldest_tick: self.oldest_tick(),
@@ -136,14 +136,39 @@ impl Snapshot {
     }
 }
 
-/// The trees of meshes that were needed so far, if any was; their memory is that of their geometries.
-fn mesh_trees(geometries: &[&Arc<Geometry>]) -> Option<BuiltStructure> {
-    let built = geometries.iter().filter_map(|geometry| match geometry.form() {
-        Form::Mesh(mesh) => mesh.built_tree(),
-        Form::Convex(_) | Form::HalfSpace(_) => None,
-    });
-    let (count, memory_bytes) = built.fold((0, 0), |(count, bytes), tree| (count + 1, bytes + tree.memory_bytes()));
-    (count > 0).then_some(BuiltStructure { name: "mesh_tree", count, memory_bytes, build_ns: None, first_tick: None })
+/// What geometries and the parts of compounds were needed to build so far; its memory is that of the geometries.
+fn built_in(geometries: &[&Arc<Geometry>]) -> impl Iterator<Item = BuiltStructure> {
+    let (mut seen, mut open) = (HashSet::new(), geometries.to_vec());
+    let (mut meshes, mut compounds) = (Sum::of("mesh_tree"), Sum::of("compound_tree"));
+    while let Some(geometry) = open.pop() {
+        if !seen.insert(Arc::as_ptr(geometry)) {
+            continue;
+        }
+        match geometry.form() {
+            Form::Mesh(mesh) => meshes.add(mesh.built_tree().map(StaticTree::memory_bytes)),
+            Form::Compound(compound) => {
+                compounds.add(compound.built_tree().map(StaticTree::memory_bytes));
+                open.extend(compound.parts().iter().map(|part| &part.geometry));
+            }
+            Form::Convex(_) | Form::HalfSpace(_) => {}
+        }
+    }
+    [meshes, compounds].into_iter().map(|sum| sum.0).filter(|structure| structure.count > 0)
+}
+
+/// All structures of one kind.
+struct Sum(BuiltStructure);
+
+impl Sum {
+    fn of(name: &'static str) -> Self {
+        Self(BuiltStructure { name, count: 0, memory_bytes: 0, build_ns: None, first_tick: None })
+    }
+
+    /// One more, if it is built.
+    fn add(&mut self, bytes: Option<u64>) {
+        self.0.count += u64::from(bytes.is_some());
+        self.0.memory_bytes += bytes.unwrap_or(0);
+    }
 }
 
 /// 1 where the fresh tree costs nothing: of points, or of nothing.

@@ -4,6 +4,9 @@
 //! Positions are differenced in f64 and turned into the axes of the first form, so that far from the origin nothing is
 //! lost but what the difference itself loses. Then everything is scaled by a power of two (exactly) so that
 //! `S = reach_a + reach_b + |p_b − p_a| + path` lies in [1, 2): every tolerance is a plain number.
+//!
+//! What a pose of a part of something may be off by is a length. It is counted as a path so long that the rounding of a pair
+//! of that extent, which every kernel allows for, is larger by just this.
 
 use glam::{DMat3, DVec3};
 
@@ -12,7 +15,7 @@ use crate::{
     answer::Bound,
     math::Norm,
     shape::{Convex, Core},
-    tolerance::{LENGTH_WIDENING, SQUARE_MIN},
+    tolerance::{LENGTH_WIDENING, PAIR_ROUNDING, SQUARE_MIN},
 };
 
 /// Two cores in one frame.
@@ -33,6 +36,7 @@ impl<'a> Pair<'a> {
     pub(super) fn new(a: PlacedConvex<'a>, b: PlacedConvex<'a>, path: f64) -> Self {
         let axes = a.pose.matrix();
         let apart = b.pose.position - a.pose.position;
+        let path = path + (a.blur + b.blur) * (1.0 / PAIR_ROUNDING);
         let (reach, extent) = reach_and_extent([a.convex, b.convex], apart, path);
         let scale = power_of_two_below_reciprocal(extent);
         let body = |convex: &'a Convex, is_turned, rotation, position: DVec3| Body {

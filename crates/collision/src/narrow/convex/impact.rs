@@ -21,7 +21,9 @@ use super::{
     PlacedConvex, balls, boxes,
     cast::{self, Approach},
     frame::Pair,
-    gjk, order, overlapping, portal, rods,
+    gjk,
+    motion::Swings,
+    order, overlapping, portal, rods,
     simplex::Simplex,
     slide::{self, Slide},
     turning,
@@ -37,38 +39,42 @@ use crate::{
 };
 
 /// The first touch of `a` and `b` in motion; `None` is a proof that the way is free, or that it is so after an initial
-/// touch that is ignored.
+/// touch that is ignored. `arms` are the vectors from what each turns about to its own local origin at the start, in the axes
+/// of the world: 0 unless it is part of something.
 pub(crate) fn impact(
     a: PlacedConvex<'_>,
     b: PlacedConvex<'_>,
     motion: &Motion,
+    arms: [DVec3; 2],
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
     let relative = motion.displacement_a - motion.displacement_b;
-    let turns = [turn_of(a, motion.rotation_a), turn_of(b, motion.rotation_b)];
+    let turns = [turn_of(a, motion.rotation_a, arms[0]), turn_of(b, motion.rotation_b, arms[1])];
     let is_swapped = is_swapped(a, b, motion);
     let (first, second, way) = if is_swapped { (b, a, -relative) } else { (a, b, relative) };
     work.pairs_tested += 1;
-    let (touch, method_iterations, pair);
+    let (touch, method_iterations, pair, swung);
     let (mut linear, mut turning);
     if turns == [DVec3::ZERO; 2] {
         linear = Search::new([first, second], way, accuracy.budget);
         touch = linear.first_touch(motion.initial);
-        (method_iterations, pair) = (linear.iterations, &linear.pair);
+        (method_iterations, pair, swung) = (linear.iterations, &linear.pair, None);
     } else {
-        let turns = if is_swapped { [turns[1], turns[0]] } else { turns };
-        turning = turning::Search::new([first, second], way, turns, accuracy.budget);
+        let of_both = |[a, b]: [DVec3; 2]| if is_swapped { [b, a] } else { [a, b] };
+        let swings = Swings { turns: of_both(turns), arms: of_both(arms) };
+        turning = turning::Search::new([first, second], way, swings, accuracy.budget);
         touch = turning.first_touch(motion.initial, accuracy);
-        (method_iterations, pair) = (turning.iterations, &turning.course.pair);
+        (method_iterations, pair, swung) = (turning.iterations, &turning.course.pair, Some(&turning.course));
     }
     work.iterations += u64::from(method_iterations);
     let touch = touch?;
+    let swung = swung.map_or(DVec3::ZERO, |turning| turning.swing_of_first(touch.fraction));
     let normal = touch.normal.map(|normal| pair.direction_out(normal));
     let first_displacement = if is_swapped { motion.displacement_b } else { motion.displacement_a };
     Some(ImpactTouch {
         fraction: touch.fraction,
-        point: pair.point_out(touch.point) + first_displacement * touch.fraction,
+        point: pair.point_out(touch.point) + swung + first_displacement * touch.fraction,
         normal_b_to_a: normal.map(|normal| if is_swapped { DVec3::ZERO - normal } else { normal }),
         initial: touch.is_initial,
         feature_b: Feature::default(),
@@ -82,9 +88,9 @@ pub(crate) fn impact(
     })
 }
 
-/// How a form turns as far as that shows: a ball never does.
-fn turn_of(placed: PlacedConvex<'_>, rotation: DVec3) -> DVec3 {
-    if matches!(placed.convex.core, Core::Point) { DVec3::ZERO } else { rotation }
+/// How a form turns as far as that shows: a ball about its own middle never does.
+fn turn_of(placed: PlacedConvex<'_>, rotation: DVec3, arm: DVec3) -> DVec3 {
+    if matches!(placed.convex.core, Core::Point) && arm == DVec3::ZERO { DVec3::ZERO } else { rotation }
 }
 
 /// As [`order::is_swapped`]; forms that are alike and in one place are told apart by their motions.
@@ -129,7 +135,7 @@ impl<'a> Search<'a> {
     }
 
     fn first_touch(&mut self, initial: InitialTouch) -> Option<Touch> {
-        let entry = balls::entry(&self.pair, self.way, PAIR_ROUNDING)?;
+        let entry = balls::entry(self.pair.b.position, self.pair.reach, self.way, PAIR_ROUNDING)?;
         let (mut time, mut normal, mut seed) = (entry, None, None);
         if let Some(slide) = slide::meeting(&self.pair, self.way) {
             match slide {

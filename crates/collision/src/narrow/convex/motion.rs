@@ -37,6 +37,14 @@ use crate::{
     tolerance::{ANGLE_ROUNDING, BEND_WIDENING, LENGTH_WIDENING, MOTION_ROUNDING, PAIR_ROUNDING, ROUNDING},
 };
 
+/// How two forms turn, in the axes of the world.
+pub(super) struct Swings {
+    /// Rotation vectors over the whole motion.
+    pub(super) turns: [DVec3; 2],
+    /// From what each turns about to its own local origin at the start, metres.
+    pub(super) arms: [DVec3; 2],
+}
+
 /// How one form turns.
 struct Turn {
     /// Unit vector.
@@ -44,21 +52,27 @@ struct Turn {
     /// Radians over the whole motion.
     angle: f64,
     start: DMat3,
+    /// From what it turns about to its local origin at the start, in the frame.
+    arm: DVec3,
     /// The farthest point of the core from the axis, in the frame, rounded up.
     reach: f64,
 }
 
-/// A pair in motion: the first form turns where it is, the second turns and goes by `−way`, over the time from 0 to 1.
+/// A pair in motion: the first form turns where it is, the second turns and goes by `−way`, over the time from 0 to 1. A
+/// form with an arm turns about the end of that, so its local origin goes round too.
 pub(super) struct Course<'a> {
     /// Where the pair is now.
     pub(super) pair: Pair<'a>,
     a: Turn,
     b: Turn,
+    /// From what the first turns about to what the second does.
     start: DVec3,
     way: DVec3,
     /// The first form's axes now, and where the second is.
     axes: DMat3,
     place: DVec3,
+    /// The arms now.
+    arms: [DVec3; 2],
     /// What the turning adds to the speed of the fastest points.
     spin: f64,
     /// What the turning adds to the change of speed.
@@ -68,19 +82,21 @@ pub(super) struct Course<'a> {
 }
 
 impl Turn {
-    fn new(core: &Core, pose: &Pose, rotation: DVec3, scale: f64) -> Self {
+    fn new(core: &Core, pose: &Pose, [rotation, arm]: [DVec3; 2], scale: f64) -> Self {
         let axis = try_unit(rotation).unwrap_or(DVec3::Y);
         let start = pose.matrix();
-        let reach = reach_from(core, start.transpose() * axis) * scale;
+        let reach = (reach_from(core, start.transpose() * axis) + axis.cross(arm).norm()) * scale;
         let angle = if reach > 0.0 { length(rotation) } else { 0.0 };
-        Self { axis, angle, start, reach: reach * LENGTH_WIDENING }
+        Self { axis, angle, start, arm: arm * scale, reach: reach * LENGTH_WIDENING }
     }
 
-    fn at(&self, time: f64) -> DMat3 {
+    /// The axes of the form and its arm at a time.
+    fn at(&self, time: f64) -> (DMat3, DVec3) {
         if self.angle == 0.0 {
-            return self.start;
+            return (self.start, self.arm);
         }
-        DMat3::from_axis_angle(self.axis, self.angle * time) * self.start
+        let turned = DMat3::from_axis_angle(self.axis, self.angle * time);
+        (turned * self.start, turned * self.arm)
     }
 
     fn speed(&self) -> f64 {
@@ -94,18 +110,22 @@ impl Turn {
 
 impl<'a> Course<'a> {
     /// The course of a pair; `way` is how far `a` goes relative to `b`, metres.
-    pub(super) fn new(a: PlacedConvex<'a>, b: PlacedConvex<'a>, way: DVec3, [turn_a, turn_b]: [DVec3; 2]) -> Self {
+    pub(super) fn new(a: PlacedConvex<'a>, b: PlacedConvex<'a>, way: DVec3, swings: &Swings) -> Self {
         // The first form without its rotation makes the axes those of the world.
-        let upright = PlacedConvex { convex: a.convex, pose: Pose::at(a.pose.position) };
-        let pair = Pair::new(upright, b, length(way));
+        let upright = PlacedConvex { pose: Pose::at(a.pose.position), ..a };
+        let [turn_a, turn_b] = swings.turns;
+        let [arm_a, arm_b] = swings.arms;
+        // The ends of arms may go to the other side.
+        let pair = Pair::new(upright, b, length(way) + 2.0 * (length(arm_a) + length(arm_b)));
         let scale = pair.length_in(1.0);
-        let turn_a = Turn::new(&a.convex.core, &a.pose, turn_a, scale);
-        let turn_b = Turn::new(&b.convex.core, &b.pose, turn_b, scale);
+        let turn_a = Turn::new(&a.convex.core, &a.pose, [turn_a, arm_a], scale);
+        let turn_b = Turn::new(&b.convex.core, &b.pose, [turn_b, arm_b], scale);
         let spin = turn_a.speed() + turn_b.speed();
         Self {
-            start: pair.b.position,
+            start: pair.b.position + (turn_a.arm - turn_b.arm),
             axes: turn_a.start,
             place: pair.b.position,
+            arms: [turn_a.arm, turn_b.arm],
             way: pair.displacement_in(way),
             spin: spin * BEND_WIDENING,
             bend: (turn_a.angle * turn_a.speed() + turn_b.angle * turn_b.speed()) * BEND_WIDENING,
@@ -118,10 +138,12 @@ impl<'a> Course<'a> {
 
     /// Puts the pair where it is at a time.
     pub(super) fn go_to(&mut self, time: f64) {
-        self.axes = self.a.at(time);
-        self.place = self.start - self.way * time;
+        let ((axes_a, arm_a), (axes_b, arm_b)) = (self.a.at(time), self.b.at(time));
+        self.axes = axes_a;
+        self.arms = [arm_a, arm_b];
+        self.place = self.start - self.way * time + (arm_b - arm_a);
         let to_first = self.axes.transpose();
-        self.pair.place_second(to_first * self.b.at(time), to_first * self.place);
+        self.pair.place_second(to_first * axes_b, to_first * self.place);
     }
 
     /// A vector of the pair, where it is now, in the axes of the course.
@@ -152,7 +174,8 @@ impl<'a> Course<'a> {
     /// How fast the gap between two points of the cores grows along a direction, where the pair is now; all in the axes of
     /// the course.
     pub(super) fn growth(&self, direction: DVec3, on_a: DVec3, on_b: DVec3) -> f64 {
-        let turning = self.a.velocity(on_a) - self.b.velocity(on_b - self.place);
+        let [arm_a, arm_b] = self.arms;
+        let turning = self.a.velocity(on_a + arm_a) - self.b.velocity(on_b - self.place + arm_b);
         direction.dot(turning + self.way)
     }
 
@@ -189,9 +212,15 @@ impl<'a> Course<'a> {
         straight.min(bent / (root * root) * BEND_WIDENING)
     }
 
-    /// As [`balls::entry`].
+    /// As [`balls::entry`], of balls about what the forms turn about.
     pub(super) fn entry_of_balls(&self) -> Option<f64> {
-        balls::entry(&self.pair, self.way, self.rounding)
+        let arms = (self.a.arm.norm() + self.b.arm.norm()) * LENGTH_WIDENING;
+        balls::entry(self.start, self.pair.reach + arms, self.way, self.rounding)
+    }
+
+    /// How far the first form's local origin has gone round by a time, metres, in the axes of the world.
+    pub(super) fn swing_of_first(&self, time: f64) -> DVec3 {
+        (self.a.at(time).1 - self.a.arm) * self.pair.length_out(1.0)
     }
 }
 

@@ -20,8 +20,11 @@ use super::PlacedConvex;
 use crate::{math::expansion::Expansion, shape::Core};
 
 /// The exact sign of the signed distance of two forms: `Greater` apart, `Equal` touching, `Less` overlapping. `None` if
-/// one of them is turned or is none of the simple ones.
+/// one of them is turned, is not known to be just where its pose says, or is none of the simple ones.
 pub(super) fn sign(a: PlacedConvex<'_>, b: PlacedConvex<'_>) -> Option<Ordering> {
+    if a.blur + b.blur > 0.0 {
+        return None;
+    }
     let (half_a, half_b) = (half_extents(a)?, half_extents(b)?);
     let gaps = [0, 1, 2].map(|axis| {
         let apart = Expansion::difference(a.pose.position[axis], b.pose.position[axis]);

@@ -14,7 +14,7 @@ use glam::DVec3;
 use super::{
     PlacedConvex, boxes, depth,
     gjk::{self, Gap},
-    motion::Course,
+    motion::{Course, Swings},
     overlapping, portal,
     warm::Seed,
 };
@@ -48,11 +48,11 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(placed: [PlacedConvex<'a>; 2], way: DVec3, turns: [DVec3; 2], budget: u32) -> Self {
+    pub(super) fn new(placed: [PlacedConvex<'a>; 2], way: DVec3, swings: Swings, budget: u32) -> Self {
         let [a, b] = placed;
         let are_boxes = [a, b].iter().all(|form| matches!(form.convex.core, Core::Cuboid { .. }));
         let seed = are_boxes.then_some(Seed::NOTHING);
-        Self { placed, course: Course::new(a, b, way, turns), budget, are_boxes, seed, last: None, iterations: 0 }
+        Self { placed, course: Course::new(a, b, way, &swings), budget, are_boxes, seed, last: None, iterations: 0 }
     }
 
     /// As [`advance::first_touch`].

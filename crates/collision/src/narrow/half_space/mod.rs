@@ -27,7 +27,7 @@ pub(super) use self::{
     exact::ExactPlane,
     plane::{Height, Plane, difference, unit},
 };
-use super::{Contact, Contacts, Depth, ImpactTouch, Motion, Placed, Separation, convex};
+use super::{Contact, Contacts, Depth, ImpactTouch, Motion, Placed, Separation, convex, place::Place};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
@@ -47,7 +47,7 @@ pub(super) enum Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// `None` if neither is a half space.
+    /// `None` if neither is a half space, or one is a compound, of which each leaf is asked.
     pub(super) fn of(a: &Placed<'a>, b: &Placed<'a>) -> Option<Self> {
         match (a.geometry.form(), b.geometry.form()) {
             (Form::HalfSpace(first), Form::HalfSpace(second)) => {
@@ -55,8 +55,18 @@ impl<'a> Pair<'a> {
             }
             (Form::HalfSpace(half_space), _) => Above::new(b, half_space, a.pose).map(Self::Below),
             (_, Form::HalfSpace(half_space)) => Above::new(a, half_space, b.pose).map(Self::Above),
-            (Form::Convex(_) | Form::Mesh(_), Form::Convex(_) | Form::Mesh(_)) => None,
+            _ => None,
         }
+    }
+
+    /// A convex form or a mesh at a place, and a half space, which is `b`.
+    pub(super) fn of_leaf(
+        body: Body<'a>,
+        (place, reach): (&Place, f64),
+        (half_space, space_place): (&'a HalfSpace, &Place),
+    ) -> Self {
+        let place = Place { blur: place.blur + space_place.blur, ..*place };
+        Self::Above(Above::of(body, reach, &place, half_space, space_place.pose))
     }
 
     /// As [`super::distance`].
@@ -163,7 +173,7 @@ fn count(work: &mut Work) {
 
 /// What lies against the plane.
 #[derive(Clone, Copy)]
-enum Body<'a> {
+pub(super) enum Body<'a> {
     Convex(&'a Convex),
     Mesh(&'a Mesh),
 }
@@ -183,6 +193,10 @@ pub(super) struct Above<'a> {
     error: f64,
     /// Of the form about its local origin.
     reach: f64,
+    /// What of the error comes from where the form is.
+    blur: f64,
+    /// From what the form turns about to its local origin, in the axes of the world.
+    arm: DVec3,
 }
 
 /// The lowest point of a form.
@@ -204,17 +218,18 @@ struct Signed {
 }
 
 impl<'a> Above<'a> {
-    /// `None` if the form is a half space too.
+    /// `None` if the form is a half space too, or a compound.
     fn new(placed: &Placed<'a>, half_space: &'a HalfSpace, space_pose: Pose) -> Option<Self> {
         let body = match placed.geometry.form() {
             Form::Convex(convex) => Body::Convex(convex),
             Form::Mesh(mesh) => Body::Mesh(mesh),
-            Form::HalfSpace(_) => return None,
+            Form::HalfSpace(_) | Form::Compound(_) => return None,
         };
-        Some(Self::of(body, placed.geometry.reach(), placed.pose, half_space, space_pose))
+        Some(Self::of(body, placed.geometry.reach(), &Place::of(placed.pose), half_space, space_pose))
     }
 
-    fn of(body: Body<'a>, reach: f64, pose: Pose, half_space: &'a HalfSpace, space_pose: Pose) -> Self {
+    fn of(body: Body<'a>, reach: f64, place: &Place, half_space: &'a HalfSpace, space_pose: Pose) -> Self {
+        let Place { pose, blur, arm } = *place;
         let plane = Plane::new(half_space, &space_pose);
         let origin = plane.height(&difference(pose.position, space_pose.position));
         let (normal, error) = if pose.rotation.xyz() == DVec3::ZERO {
@@ -224,7 +239,7 @@ impl<'a> Above<'a> {
         } else {
             (pose.matrix().transpose() * plane.normal, TURNED_LOWEST_POINT * reach)
         };
-        Self { body, pose, half_space, space_pose, plane, normal, origin, error, reach }
+        Self { body, pose, half_space, space_pose, plane, normal, origin, error: error + blur, reach, blur, arm }
     }
 
     fn lowest(&self) -> Low {
@@ -281,7 +296,7 @@ impl<'a> Above<'a> {
 
     /// The exact sign of a body's height after the form and the half space have gone these ways; `None` if it is not known.
     fn exact_sign(&self, body: Body<'_>, low: &Low, ways: [DVec3; 2]) -> Option<Ordering> {
-        let exact = ExactPlane::new(self.half_space, &self.space_pose)?;
+        let exact = ExactPlane::new(self.half_space, &self.space_pose).filter(|_| self.blur <= 0.0)?;
         let is_turned = self.pose.rotation.xyz() != DVec3::ZERO;
         let limit = self.normal.dot(low.point) + 2.0 * self.error;
         let near = |corner: DVec3| self.normal.dot(corner) <= limit;

@@ -3,7 +3,7 @@
 //! # Method
 //! The height of the form above the plane is measured where both are at a time; [`advance`] does the rest. Let `z` be a
 //! point of the form from the half space's origin, at most `D` away, `n` the plane's normal, `ω` and `μ` the turns of the form
-//! and of the plane, `ρ` the form's reach and `v` the relative velocity. The height `n·z − offset` changes by at most
+//! and of the plane, `ρ` the form's reach from what it turns about and `v` the relative velocity. The height `n·z − offset` changes by at most
 //! `|v| + |ω|ρ + |μ|D`, and its speed by at most `|ω|²ρ + 2|μ|(|v| + |ω|ρ) + |μ|²D`. Between two times `h` apart the height lies
 //! above the parabola of that, as in `convex/motion.rs`.
 //!
@@ -22,6 +22,7 @@ use crate::{
         ImpactTouch, InitialTouch,
         advance::{self, Gaps, Instant, Look, Paces, Width},
         pieces::First,
+        place::Place,
     },
     shape::{Convex, Core},
     tolerance::{ANGLE_ROUNDING, BEND_WIDENING, MOTION_ROUNDING, PAIR_ROUNDING},
@@ -70,11 +71,13 @@ impl Above<'_> {
 impl<'a> Search<'a> {
     fn new(above: &'a Above<'a>, body: Body<'a>, ways: Ways, accuracy: &Accuracy) -> Self {
         let [to, to_space] = ways.displacements;
-        let (apart, way) = (above.pose.position - above.space_pose.position, to - to_space);
+        let (apart, way) = (above.pose.position - above.arm - above.space_pose.position, to - to_space);
         let (core, reach) = match body {
             Body::Convex(convex) => (convex.core.reach(), convex.core.reach() + convex.radius),
             Body::Mesh(_) => (above.reach, above.reach),
         };
+        let arm = above.arm.norm();
+        let (core, reach) = (core + arm, reach + arm);
         let [spin, tilt] = ways.rotations.map(Norm::norm);
         let farthest = apart.norm().max((apart + way).norm()) + reach;
         let extent = farthest + way.norm() + above.half_space.offset.abs();
@@ -83,7 +86,7 @@ impl<'a> Search<'a> {
             bend: (spin * spin * core + 2.0 * tilt * (way.norm() + spin * core) + tilt * tilt * farthest)
                 * BEND_WIDENING,
             turn: spin.max(tilt),
-            doubt: (PAIR_ROUNDING + MOTION_ROUNDING + ANGLE_ROUNDING * (spin + tilt)) * extent,
+            doubt: (PAIR_ROUNDING + MOTION_ROUNDING + ANGLE_ROUNDING * (spin + tilt)) * extent + above.blur,
         };
         Self { above, body, ways, apart, way, paces, now: None, budget: accuracy.budget, iterations: 0 }
     }
@@ -117,10 +120,12 @@ impl<'a> Search<'a> {
     /// Where both are at a time.
     fn at(&self, time: f64) -> Above<'a> {
         let [rotation, tilt] = self.ways.rotations;
-        let place = self.apart + self.way * time;
-        let pose = Pose::new(place, turned(rotation, time, &self.above.pose));
+        let arm = Pose::new(DVec3::ZERO, turned(rotation, time, &Pose::IDENTITY)).transform_point(self.above.arm);
+        let position = self.apart + self.way * time + arm;
+        let pose = Pose::new(position, turned(rotation, time, &self.above.pose));
         let space_pose = Pose::new(DVec3::ZERO, turned(tilt, time, &self.above.space_pose));
-        Above::of(self.body, self.above.reach, pose, self.above.half_space, space_pose)
+        let place = Place { pose, blur: 0.0, arm };
+        Above::of(self.body, self.above.reach, &place, self.above.half_space, space_pose)
     }
 }
 
@@ -132,9 +137,10 @@ impl Gaps for Search<'_> {
         let height = above.height(point, radius);
         let error = above.error_at(height) + self.paces.doubt;
         let normal = above.plane.normal;
-        let arm = above.pose.matrix() * point;
+        let on_form = above.pose.matrix() * point;
         let [rotation, tilt] = self.ways.rotations;
-        let growth = normal.dot(self.way + rotation.cross(arm)) + tilt.cross(normal).dot(above.pose.position + arm);
+        let growth = normal.dot(self.way + rotation.cross(above.arm + on_form))
+            + tilt.cross(normal).dot(above.pose.position + on_form);
         let look = Look {
             instant: Instant { time, free: height - error, normal },
             gap: height,
@@ -155,8 +161,8 @@ impl Gaps for Search<'_> {
     }
 
     fn at_rest(&mut self) -> Verdict {
-        let above =
-            Above::of(self.body, self.above.reach, self.above.pose, self.above.half_space, self.above.space_pose);
+        let Above { reach, pose, blur, arm, half_space, space_pose, .. } = *self.above;
+        let above = Above::of(self.body, reach, &Place { pose, blur, arm }, half_space, space_pose);
         above.signed(self.body, &above.lowest()).verdict
     }
 

@@ -13,16 +13,19 @@ use crate::{
     answer::{Feature, Work},
     broad::{ALL_LAYERS, Path, Tree},
     math::{Aabb, Pose},
-    narrow::{Placed, convex::PlacedConvex},
-    shape::{Convex, Core, Geometry, GeometryId, Mesh},
+    narrow::{half_space::Body, place::Place},
+    shape::{Compound, Convex, Core, Geometry, GeometryId, Mesh},
     tolerance,
 };
 
-/// A concave form at a pose.
+/// A concave form at a place.
 #[derive(Clone, Copy)]
 pub(super) struct Concave<'a> {
-    whole: Placed<'a>,
     kind: Kind<'a>,
+    geometry: &'a Geometry,
+    place: Place,
+    /// The number of its first leaf in the compound that it is part of.
+    part: Option<u32>,
 }
 
 /// What it consists of.
@@ -30,38 +33,64 @@ pub(super) struct Concave<'a> {
 enum Kind<'a> {
     /// Triangles.
     Mesh(&'a Mesh),
+    /// Other geometries.
+    Compound(&'a Compound),
 }
 
 /// How two concave forms are put in order.
 type OrderKey = (usize, GeometryId, [u64; 7]);
 
 impl<'a> Concave<'a> {
-    pub(super) fn mesh(mesh: &'a Mesh, whole: Placed<'a>) -> Self {
-        Self { whole, kind: Kind::Mesh(mesh) }
+    pub(super) fn mesh(mesh: &'a Mesh, geometry: &'a Geometry, place: Place, part: Option<u32>) -> Self {
+        Self { kind: Kind::Mesh(mesh), geometry, place, part }
+    }
+
+    pub(super) fn compound(compound: &'a Compound, geometry: &'a Geometry, place: Place, part: Option<u32>) -> Self {
+        Self { kind: Kind::Compound(compound), geometry, place, part }
     }
 
     pub(super) fn geometry(&self) -> &'a Geometry {
-        self.whole.geometry
+        self.geometry
     }
 
-    pub(super) fn pose(&self) -> &Pose {
-        &self.whole.pose
+    pub(super) fn place(&self) -> &Place {
+        &self.place
+    }
+
+    pub(super) fn is_compound(&self) -> bool {
+        matches!(self.kind, Kind::Compound(_))
+    }
+
+    /// What a half space is asked against; `None` for a compound.
+    pub(super) fn body(&self) -> Option<Body<'a>> {
+        match self.kind {
+            Kind::Mesh(mesh) => Some(Body::Mesh(mesh)),
+            Kind::Compound(_) => None,
+        }
+    }
+
+    /// Which part it is.
+    pub(super) fn feature(&self) -> Feature {
+        Feature { part: self.part, face: None }
     }
 
     /// Whether some of its pieces are parts of a surface, which has no depth of its own.
     pub(super) fn has_surface(&self) -> bool {
         match self.kind {
             Kind::Mesh(_) => true,
+            Kind::Compound(compound) => compound.has_surface(),
         }
     }
 
+    /// Compounds go first: they are taken apart first.
     pub(super) fn order_key(&self) -> OrderKey {
         let count = match self.kind {
             Kind::Mesh(mesh) => mesh.triangles().len(),
+            Kind::Compound(_) => 0,
         };
-        let [x, y, z] = self.whole.pose.position.to_array();
-        let [i, j, k, w] = self.whole.pose.rotation.to_array();
-        (count, self.whole.geometry.id(), [x, y, z, i, j, k, w].map(f64::to_bits))
+        let [x, y, z] = self.place.pose.position.to_array();
+        let [i, j, k, w] = self.place.pose.rotation.to_array();
+        (count, self.geometry.id(), [x, y, z, i, j, k, w].map(f64::to_bits))
     }
 
     /// Visits the pieces whose boxes touch a box of its own frame (and maybe others), until the visitor breaks.
@@ -74,6 +103,7 @@ impl<'a> Concave<'a> {
         let each = |work: &mut Work, leaf| Ok::<_, Infallible>(self.with_piece(leaf, |piece| visit(piece, work)));
         let Ok(()) = match self.kind {
             Kind::Mesh(mesh) => mesh.tree().visit_box(query, ALL_LAYERS, work, each),
+            Kind::Compound(compound) => compound.tree().visit_box(query, ALL_LAYERS, work, each),
         };
     }
 
@@ -89,6 +119,7 @@ impl<'a> Concave<'a> {
         let each = |work: &mut Work, leaf| Ok::<_, Infallible>(self.with_piece(leaf, |piece| visit(piece, work)));
         let Ok(()) = match self.kind {
             Kind::Mesh(mesh) => mesh.tree().visit_nearest(query, limit, ALL_LAYERS, work, each),
+            Kind::Compound(compound) => compound.tree().visit_nearest(query, limit, ALL_LAYERS, work, each),
         };
     }
 
@@ -112,34 +143,41 @@ impl<'a> Concave<'a> {
         let each = |work: &mut Work, leaf| Ok::<_, Infallible>(self.with_piece(leaf, |piece| visit(piece, work)));
         let Ok(()) = match self.kind {
             Kind::Mesh(mesh) => mesh.tree().visit_ray(path, limit, ALL_LAYERS, work, each),
+            Kind::Compound(compound) => compound.tree().visit_ray(path, limit, ALL_LAYERS, work, each),
         };
     }
 
     /// The piece of a leaf of its tree.
     fn with_piece<Answer>(&self, leaf: u32, ask: impl FnOnce(Side<'_>) -> Answer) -> Answer {
+        let index = leaf as usize;
         match self.kind {
             Kind::Mesh(mesh) => {
-                let triangle = leaf as usize;
-                let piece = Convex { core: Core::Triangle(mesh.corners(triangle)), radius: 0.0 };
-                let placed = PlacedConvex { convex: &piece, pose: self.whole.pose };
-                let feature = Feature { part: None, face: Some(mesh.sent_number(triangle)) };
-                ask(Side::Convex(Piece { placed, feature }))
+                let convex = &Convex { core: Core::Triangle(mesh.corners(index)), radius: 0.0 };
+                let feature = Feature { part: self.part, face: Some(mesh.sent_number(index)) };
+                ask(Side::Convex(Piece { convex, place: self.place, feature }))
+            }
+            Kind::Compound(compound) => {
+                let part = &compound.parts()[index];
+                let place = self.place.of_part(&part.pose, part.geometry.reach());
+                let number = self.part.unwrap_or(0) + compound.first_leaf(index);
+                ask(Side::of(&part.geometry, place, Some(number)))
             }
         }
     }
 
     /// A box in its own frame that surely holds another form.
     pub(super) fn box_of(&self, other: &Side<'_>) -> Aabb {
-        let to_local = self.whole.pose.unit_rotation().conjugate();
-        let apart = other.pose().position - self.whole.pose.position;
-        let relative = Pose::new(to_local * apart, to_local * other.pose().unit_rotation());
+        let (own, place) = (&self.place, other.place());
+        let to_local = own.pose.unit_rotation().conjugate();
+        let apart = place.pose.position - own.pose.position;
+        let relative = Pose::new(to_local * apart, to_local * place.pose.unit_rotation());
         // What the relative pose may be off by.
         let slack = tolerance::RELATIVE_POSE * (apart.length() + other.reach());
-        other.bounds_at(&relative).inflated(slack)
+        other.bounds_at(&relative).inflated(slack + own.blur + place.blur)
     }
 
     /// A displacement in the world, in its own axes.
     pub(super) fn displacement_in(&self, world: DVec3) -> DVec3 {
-        self.whole.pose.matrix().transpose() * world
+        self.place.pose.matrix().transpose() * world
     }
 }

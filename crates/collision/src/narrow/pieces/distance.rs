@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use super::{Next, Side, in_order, next};
+use super::{Next, Ordered, Side, next};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Verdict, Work},
@@ -17,11 +17,13 @@ pub(in crate::narrow) fn distance(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<Separation> {
-    let (a, b, is_swapped) = in_order(Side::of(a), Side::of(b));
+    let Ordered { first, second, is_swapped, origin } = Ordered::new(a, b);
     let mut nearest = Nearest::within(limit);
-    nearest.search(a, b, accuracy, work);
-    let found = nearest.merged();
-    if is_swapped { found.map(Separation::swapped) } else { found }
+    nearest.search(first, second, accuracy, work);
+    let mut found = nearest.merged()?;
+    found.point_on_a += origin;
+    found.point_on_b += origin;
+    Some(if is_swapped { found.swapped() } else { found })
 }
 
 /// All that may be nearest.
@@ -42,8 +44,14 @@ impl Nearest {
     fn search(&mut self, a: Side<'_>, b: Side<'_>, accuracy: &Accuracy, work: &mut Work) {
         match next(a, b) {
             Next::Ask(a, b) => {
-                if let Some(mut found) = convex::distance(a.placed, b.placed, self.limit, accuracy, work) {
+                if let Some(mut found) = convex::distance(a.placed(), b.placed(), self.limit, accuracy, work) {
                     (found.feature_a, found.feature_b) = (a.feature, b.feature);
+                    self.offer(found);
+                }
+            }
+            Next::AskSpace(pair, feature) => {
+                if let Some(mut found) = pair.distance(self.limit, work) {
+                    found.feature_a.part = feature.part;
                     self.offer(found);
                 }
             }

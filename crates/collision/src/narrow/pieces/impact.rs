@@ -1,8 +1,9 @@
 //! The first touch of a concave form and another form, in motion.
 
+use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::{Next, Side, in_order, next, sweep::swept};
+use super::{Next, Ordered, Side, next, sweep::swept};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Feature, Verdict, Work},
@@ -18,15 +19,16 @@ pub(in crate::narrow) fn impact(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
-    let (a, b, is_swapped) = in_order(Side::of(a), Side::of(b));
+    let Ordered { first: a, second: b, is_swapped, origin } = Ordered::new(a, b);
     let motion = if is_swapped { &motion.swapped() } else { motion };
     let mut first = First::default();
     first.search(a, b, &Ask { motion, accuracy }, work);
-    let Candidate { touch, feature_a } = first.winner()?;
+    let Candidate { mut touch, feature_a } = first.winner()?;
+    touch.point += origin;
     if !is_swapped {
         return Some(touch);
     }
-    let normal_b_to_a = touch.normal_b_to_a.map(|normal| glam::DVec3::ZERO - normal);
+    let normal_b_to_a = touch.normal_b_to_a.map(|normal| DVec3::ZERO - normal);
     Some(ImpactTouch { normal_b_to_a, feature_b: feature_a, ..touch })
 }
 
@@ -61,8 +63,14 @@ impl First {
     fn search(&mut self, a: Side<'_>, b: Side<'_>, ask: &Ask<'_>, work: &mut Work) {
         match next(a, b) {
             Next::Ask(a, b) => {
-                if let Some(touch) = convex::impact(a.placed, b.placed, ask.motion, ask.accuracy, work) {
+                let arms = [a.place.arm, b.place.arm];
+                if let Some(touch) = convex::impact(a.placed(), b.placed(), ask.motion, arms, ask.accuracy, work) {
                     self.take(Candidate { touch: ImpactTouch { feature_b: b.feature, ..touch }, feature_a: a.feature });
+                }
+            }
+            Next::AskSpace(pair, feature_a) => {
+                if let Some(touch) = pair.impact(ask.motion, ask.accuracy, work) {
+                    self.take(Candidate { touch, feature_a });
                 }
             }
             Next::SplitFirst(a, b) => {

@@ -1,10 +1,12 @@
 //! Concave forms in pairs: such a form is asked as its convex pieces, and its tree says which.
 //!
 //! # Method
-//! A concave form offers its pieces by a box, along a path and nearest first ([`Concave`]). The other form's box is taken into
-//! the concave form's own frame, where its tree searches; a convex kernel answers for each piece. Of two concave forms one
-//! is searched for pieces near the other's box, then each of those is asked against the other. What may be first is gathered,
-//! and merged by intervals: certain answers bound, open ones only widen.
+//! A concave form offers its pieces by a box, along a path and nearest first ([`Concave`]); a piece of a compound may be
+//! concave again. The other form's box is taken into the concave form's own frame, where its tree searches; a convex kernel
+//! answers for each pair of pieces. Of two concave forms one is searched for pieces near the other's box, then each of those is
+//! asked against the other. What may be first is gathered, and merged by intervals: certain answers bound, open ones only widen.
+//!
+//! Against a half space a compound is asked part by part; other forms have kernels of their own for that.
 //!
 //! # Limits
 //! A mesh is a surface: what lies wholly inside a closed one does not touch it.
@@ -16,6 +18,8 @@ mod overlap;
 mod penetration;
 mod sweep;
 
+use glam::DVec3;
+
 use self::concave::Concave;
 pub(super) use self::{
     distance::distance,
@@ -23,11 +27,16 @@ pub(super) use self::{
     overlap::overlap,
     penetration::penetration,
 };
-use super::{Placed, convex::PlacedConvex};
+use super::{
+    Placed,
+    convex::PlacedConvex,
+    half_space::{self, Body},
+    place::Place,
+};
 use crate::{
     answer::Feature,
     math::{Aabb, Pose},
-    shape::Form,
+    shape::{Convex, Form, Geometry, HalfSpace},
 };
 
 /// What a form is in a pair; a piece of a concave form is one too.
@@ -35,85 +44,143 @@ use crate::{
 enum Side<'a> {
     Convex(Piece<'a>),
     Concave(Concave<'a>),
+    Space(Space<'a>),
 }
 
 /// A convex form, whole or one of the pieces of another.
 #[derive(Clone, Copy)]
 struct Piece<'a> {
-    placed: PlacedConvex<'a>,
+    convex: &'a Convex,
+    place: Place,
     /// Which piece it is.
     feature: Feature,
 }
 
+/// A half space.
+#[derive(Clone, Copy)]
+struct Space<'a> {
+    half_space: &'a HalfSpace,
+    geometry: &'a Geometry,
+    place: Place,
+}
+
+impl<'a> Piece<'a> {
+    fn placed(&self) -> PlacedConvex<'a> {
+        PlacedConvex { convex: self.convex, pose: self.place.pose, blur: self.place.blur }
+    }
+}
+
 impl<'a> Side<'a> {
-    fn of(placed: Placed<'a>) -> Self {
-        match placed.geometry.form() {
-            Form::Convex(convex) => {
-                Self::Convex(Piece { placed: PlacedConvex { convex, pose: placed.pose }, feature: Feature::default() })
-            }
-            Form::Mesh(mesh) => Self::Concave(Concave::mesh(mesh, placed)),
-            Form::HalfSpace(_) => unreachable!("half spaces have kernels of their own"),
+    /// A geometry at a place; `part` is the number of its first leaf in the compound that it is part of.
+    fn of(geometry: &'a Geometry, place: Place, part: Option<u32>) -> Self {
+        match geometry.form() {
+            Form::Convex(convex) => Self::Convex(Piece { convex, place, feature: Feature { part, face: None } }),
+            Form::Mesh(mesh) => Self::Concave(Concave::mesh(mesh, geometry, place, part)),
+            Form::Compound(compound) => Self::Concave(Concave::compound(compound, geometry, place, part)),
+            Form::HalfSpace(half_space) => Self::Space(Space { half_space, geometry, place }),
         }
     }
 
-    fn pose(&self) -> &Pose {
+    fn place(&self) -> &Place {
         match self {
-            Self::Convex(piece) => &piece.placed.pose,
-            Self::Concave(concave) => concave.pose(),
+            Self::Convex(piece) => &piece.place,
+            Self::Concave(concave) => concave.place(),
+            Self::Space(space) => &space.place,
         }
     }
 
     /// No point is farther from the local origin.
     fn reach(&self) -> f64 {
         match self {
-            Self::Convex(piece) => piece.placed.convex.reach(),
+            Self::Convex(piece) => piece.convex.reach(),
             Self::Concave(concave) => concave.geometry().reach(),
+            Self::Space(space) => space.geometry.reach(),
         }
     }
 
     /// Its box in its own frame.
     fn local_bounds(&self) -> Aabb {
         match self {
-            Self::Convex(piece) => piece.placed.convex.local_bounds(),
+            Self::Convex(piece) => piece.convex.local_bounds(),
             Self::Concave(concave) => concave.geometry().local_bounds(),
+            Self::Space(space) => space.geometry.local_bounds(),
         }
     }
 
     /// Its box if it were at another pose.
     fn bounds_at(&self, pose: &Pose) -> Aabb {
         match self {
-            Self::Convex(piece) => piece.placed.convex.bounds(pose),
+            Self::Convex(piece) => piece.convex.bounds(pose),
             Self::Concave(concave) => concave.geometry().bounds(pose),
+            Self::Space(space) => space.geometry.bounds(pose),
         }
     }
 }
 
-/// The two in a fixed order, so that swapping them swaps the answer, and whether they were swapped for it: a convex form
-/// first, of two concave ones that of fewer pieces, then by content and pose.
-fn in_order<'a>(a: Side<'a>, b: Side<'a>) -> (Side<'a>, Side<'a>, bool) {
-    let is_swapped = match (&a, &b) {
-        (Side::Convex(_), _) => false,
-        (Side::Concave(_), Side::Convex(_)) => true,
-        (Side::Concave(a), Side::Concave(b)) => b.order_key() < a.order_key(),
-    };
-    if is_swapped { (b, a, true) } else { (a, b, false) }
+/// Two forms in a fixed order, so that swapping them swaps the answer.
+struct Ordered<'a> {
+    first: Side<'a>,
+    second: Side<'a>,
+    is_swapped: bool,
+    /// Both are placed as seen from this point of the world, in the world's axes.
+    origin: DVec3,
+}
+
+impl<'a> Ordered<'a> {
+    /// A convex form first, then of concave ones that of fewer pieces, then by content and pose; a half space last.
+    fn new(a: Placed<'a>, b: Placed<'a>) -> Self {
+        let at_home = |placed: Placed<'a>| Side::of(placed.geometry, Place::of(placed.pose), None);
+        let is_swapped = match (at_home(a), at_home(b)) {
+            (Side::Convex(_), _) | (_, Side::Space(_)) => false,
+            (_, Side::Convex(_)) | (Side::Space(_), _) => true,
+            (Side::Concave(a), Side::Concave(b)) => b.order_key() < a.order_key(),
+        };
+        let (first, second) = if is_swapped { (b, a) } else { (a, b) };
+        let Some(compound) = [first, second].into_iter().find(Placed::is_compound) else {
+            return Self { first: at_home(first), second: at_home(second), is_swapped, origin: DVec3::ZERO };
+        };
+        let origin = compound.pose.position;
+        let seen = |placed: Placed<'a>| Side::of(placed.geometry, Place::seen_from(&placed.pose, origin), None);
+        Self { first: seen(first), second: seen(second), is_swapped, origin }
+    }
 }
 
 /// What is done with a pair of sides next.
 enum Next<'a> {
-    /// A kernel is asked.
+    /// The kernel for two convex forms is asked.
     Ask(Piece<'a>, Piece<'a>),
+    /// The kernel for a half space is asked; with the number of the part that the form is.
+    AskSpace(half_space::Pair<'a>, Feature),
     /// The first is taken apart.
     SplitFirst(Concave<'a>, Side<'a>),
     /// The second is.
     SplitSecond(Side<'a>, Concave<'a>),
 }
 
-/// The one rule of which side is taken apart.
-fn next<'a>(a: Side<'a>, b: Side<'a>) -> Next<'a> {
-    match (a, b) {
+/// The one rule of which side is taken apart: compounds before others, else the first if it can be.
+fn next<'a>(first: Side<'a>, second: Side<'a>) -> Next<'a> {
+    match (first, second) {
         (Side::Convex(a), Side::Convex(b)) => Next::Ask(a, b),
-        (Side::Concave(a), b) => Next::SplitFirst(a, b),
-        (a, Side::Concave(b)) => Next::SplitSecond(a, b),
+        (Side::Convex(a), Side::Space(b)) => {
+            let reach = a.convex.reach();
+            Next::AskSpace(b.below(Body::Convex(a.convex), (&a.place, reach)), a.feature)
+        }
+        (Side::Concave(a), Side::Space(b)) => match a.body() {
+            Some(body) => Next::AskSpace(b.below(body, (a.place(), a.geometry().reach())), a.feature()),
+            None => Next::SplitFirst(a, second),
+        },
+        (first, Side::Concave(b)) if b.is_compound() => match first {
+            Side::Concave(a) if a.is_compound() => Next::SplitFirst(a, second),
+            first => Next::SplitSecond(first, b),
+        },
+        (Side::Concave(a), second) => Next::SplitFirst(a, second),
+        (first, Side::Concave(b)) => Next::SplitSecond(first, b),
+        (Side::Space(_), _) => unreachable!("a half space is the second of a pair, and of two no side is a compound"),
+    }
+}
+
+impl<'a> Space<'a> {
+    fn below(&self, body: Body<'a>, (place, reach): (&Place, f64)) -> half_space::Pair<'a> {
+        half_space::Pair::of_leaf(body, (place, reach), (self.half_space, &self.place))
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Next, Side, in_order, next};
+use super::{Next, Ordered, Side, next};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Method, Stop, Verdict, Work},
@@ -12,9 +12,9 @@ use crate::{
 /// Whether `a` and `b` touch, one of them concave. The bound is that of the least signed distance of their pieces: above 0
 /// only a lower bound of 0 is given, since what lies farther off is not measured.
 pub(in crate::narrow) fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
-    let (a, b, _) = in_order(Side::of(a), Side::of(b));
+    let Ordered { first, second, .. } = Ordered::new(a, b);
     let mut touching = Touching::nothing();
-    touching.search(a, b, accuracy, work);
+    touching.search(first, second, accuracy, work);
     touching.certificate
 }
 
@@ -43,7 +43,8 @@ impl Touching {
 
     fn search(&mut self, a: Side<'_>, b: Side<'_>, accuracy: &Accuracy, work: &mut Work) {
         match next(a, b) {
-            Next::Ask(a, b) => self.take(convex::overlap(a.placed, b.placed, accuracy, work)),
+            Next::Ask(a, b) => self.take(convex::overlap(a.placed(), b.placed(), accuracy, work)),
+            Next::AskSpace(pair, _) => self.take(pair.overlap(work)),
             Next::SplitFirst(a, b) => a.in_box(a.box_of(&b), work, |piece, work| {
                 self.search(piece, b, accuracy, work);
                 self.flow()

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Next, Side, next};
+use super::{Next, Ordered, Side, next};
 use crate::{
     accuracy::Accuracy,
     answer::Work,
@@ -20,17 +20,25 @@ pub(in crate::narrow) fn penetration(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Result<Contacts, NeedsDecomposition> {
-    let (a, b) = (Side::of(a), Side::of(b));
-    if let (Side::Concave(a), Side::Concave(b)) = (&a, &b)
+    let Ordered { first, second, is_swapped, origin } = Ordered::new(a, b);
+    if let (Side::Concave(a), Side::Concave(b)) = (&first, &second)
         && a.has_surface()
         && b.has_surface()
     {
         return Err(NeedsDecomposition);
     }
     let mut found = Touching { contacts: Contacts::new(), max_gap };
-    found.search(a, b, accuracy, work);
-    found.contacts.sort_by_key(|contact| (contact.feature_a, contact.feature_b));
-    Ok(found.contacts)
+    found.search(first, second, accuracy, work);
+    let mut contacts = found.contacts;
+    if is_swapped {
+        contacts = contacts.into_iter().map(Contact::swapped).collect();
+    }
+    for point in contacts.iter_mut().flat_map(|contact| &mut contact.points) {
+        point.point_on_a += origin;
+        point.point_on_b += origin;
+    }
+    contacts.sort_by_key(|contact| (contact.feature_a, contact.feature_b));
+    Ok(contacts)
 }
 
 struct Touching {
@@ -42,11 +50,17 @@ impl Touching {
     fn search(&mut self, a: Side<'_>, b: Side<'_>, accuracy: &Accuracy, work: &mut Work) {
         match next(a, b) {
             Next::Ask(a, b) => {
-                let found = convex::penetration(a.placed, b.placed, self.max_gap, accuracy, work);
+                let found = convex::penetration(a.placed(), b.placed(), self.max_gap, accuracy, work);
                 self.contacts.extend(found.map(|found| Contact {
                     feature_a: a.feature,
                     feature_b: b.feature,
                     ..found
+                }));
+            }
+            Next::AskSpace(pair, feature) => {
+                self.contacts.extend(pair.penetration(self.max_gap, work).into_iter().map(|mut found| {
+                    found.feature_a.part = feature.part;
+                    found
                 }));
             }
             Next::SplitFirst(a, b) => a.in_box(a.box_of(&b).inflated(self.max_gap), work, |piece, work| {

@@ -4,7 +4,7 @@
 //! Without turns the form's box goes along a straight line. Otherwise a ball around the form is followed: its centre, seen
 //! from the concave form, goes along a curve that departs from its chord by at most an eighth of the greatest acceleration.
 //! With `c` the centre in the form, `p` the form's place, `v` its velocity, `ω` its turn and `μ` that of the concave form
-//! (all relative to the place of that), the acceleration is at most `|c|(|ω − μ|² + |ω × μ|) + |μ|²|p| + 2|μ||v|`.
+//! (all relative to what that turns about), the acceleration is at most `|c|(|ω − μ|² + |ω × μ|) + |μ|²|p| + 2|μ||v|`.
 //!
 //! # Limits
 //! For turns of more than about a radian the path is no longer near: many pieces are then asked.
@@ -32,17 +32,19 @@ pub(super) fn swept(concave: &Concave<'_>, form: &Side<'_>, motion: &Motion) -> 
     }
     let (turn, turn_of_concave) = (motion.rotation_a, motion.rotation_b);
     let local = form.local_bounds();
-    let (apart, arm) = (form.pose().position - concave.pose().position, form.pose().matrix() * local.center());
-    let radius = ball_of(local, form.reach());
+    let (own, place) = (concave.place(), form.place());
+    let apart = (place.pose.position - place.arm) - (own.pose.position - own.arm);
+    let arm = place.arm + place.pose.matrix() * local.center();
+    let radius = ball_of(local, form.reach()) + own.blur + place.blur;
     let end = turned(-turn_of_concave, apart + way + turned(turn, arm));
-    let (start, end) = (concave.displacement_in(apart + arm), concave.displacement_in(end));
-    let (arm, speed) = (arm.length(), turn_of_concave.length());
+    let (start, end) = (concave.displacement_in(apart + arm - own.arm), concave.displacement_in(end - own.arm));
+    let (arm, own_arm, speed) = (arm.length(), own.arm.length(), turn_of_concave.length());
     let farthest = apart.length().max((apart + way).length());
     let bend = arm * ((turn - turn_of_concave).length_squared() + turn.cross(turn_of_concave).length())
         + speed * (speed * farthest + 2.0 * way.length());
     // However far it turns, it stays as near to the concave form's place as it ever is, and so does its chord.
     let departure = (bend / 8.0).min(2.0 * (farthest + arm)) * BEND_WIDENING;
-    let slack = RELATIVE_POSE * (farthest + arm + radius) * (1.0 + turn.length() + speed);
+    let slack = RELATIVE_POSE * (farthest + arm + own_arm + radius) * (1.0 + turn.length() + speed);
     Path { origin: start, direction: end - start, reach: DVec3::splat(radius + departure + slack) }
 }
 

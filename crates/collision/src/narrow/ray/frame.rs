@@ -8,7 +8,8 @@ use glam::{DMat3, DVec3};
 
 use super::Ray;
 use crate::{
-    math::{Norm, Pose, exact::two_sum, expansion, scaled_by_power_of_two},
+    broad::Path,
+    math::{Norm, Pose, exact::exact_difference, expansion, scaled_by_power_of_two},
     shape::Geometry,
     tolerance,
 };
@@ -22,20 +23,22 @@ pub(super) struct Target {
     pub radius: f64,
     /// All of it lies within this of the local origin.
     pub reach: f64,
+    /// No point of it is farther than this from where its pose puts it.
+    pub blur: f64,
 }
 
 impl Target {
     /// Seen from the local origin: right for forms that lie about it.
-    pub(super) fn about_origin(geometry: &Geometry) -> Self {
-        Self { center: DVec3::ZERO, radius: geometry.reach(), reach: geometry.reach() }
+    pub(super) fn about_origin(geometry: &Geometry, blur: f64) -> Self {
+        Self { center: DVec3::ZERO, radius: geometry.reach(), reach: geometry.reach(), blur }
     }
 
     /// Seen from the middle of its box.
-    pub(super) fn about_center(geometry: &Geometry) -> Self {
+    pub(super) fn about_center(geometry: &Geometry, blur: f64) -> Self {
         let bounds = geometry.local_bounds();
         let center = bounds.center();
         let half = (bounds.max - center).max(center - bounds.min);
-        Self { center, radius: half.norm() * tolerance::LENGTH_WIDENING, reach: geometry.reach() }
+        Self { center, radius: half.norm() * tolerance::LENGTH_WIDENING, reach: geometry.reach(), blur }
     }
 }
 
@@ -99,18 +102,22 @@ impl LocalRay {
         let shift = -from_center.dot(direction);
         let extent = from_center.norm() + target.radius;
         let exact = ExactRay { origin, direction: scaled };
-        let is_still = |axis: usize| !turned && scaled[axis] == 0.0 && lost[axis] == 0.0 && target.center[axis] == 0.0;
+        let is_blurred = target.blur > 0.0;
+        let lean = if is_blurred { tolerance::PART_LEAN } else { 0.0 };
+        let is_still = |axis: usize| {
+            !turned && !is_blurred && scaled[axis] == 0.0 && lost[axis] == 0.0 && target.center[axis] == 0.0
+        };
         Self {
             foot: from_center + direction * shift,
             direction,
             shift,
             // What is subnormal has rounding that is no part of it.
-            error: frame_error + tolerance::RAY_KERNEL * extent + f64::MIN_POSITIVE,
-            direction_error,
+            error: frame_error + target.blur + tolerance::RAY_KERNEL * extent + f64::MIN_POSITIVE,
+            direction_error: direction_error + lean,
             extent,
             first: ray.min_distance,
             last: ray.max_distance.min((shift + 2.0 * extent).max(ray.min_distance)),
-            exact: (!turned && lost == DVec3::ZERO && exact.is_in_range()).then_some(exact),
+            exact: (!turned && !is_blurred && lost == DVec3::ZERO && exact.is_in_range()).then_some(exact),
             still: [0, 1, 2].map(is_still),
             center: target.center,
             axes,
@@ -120,6 +127,23 @@ impl LocalRay {
     /// Whether it surely passes a ball about the centre.
     pub(super) fn passes_ball(&self, radius: f64) -> bool {
         self.foot.norm() * tolerance::SLAB_NARROWING > radius + self.error
+    }
+
+    /// The part of it within a ball about the centre, and between where touches count; `None` if there is none.
+    pub(super) fn stretch(&self, radius: f64) -> Option<Stretch> {
+        if self.passes_ball(radius) {
+            return None;
+        }
+        let around = radius + 2.0 * self.error;
+        let begin = (self.first - self.shift).max(-around);
+        let end = (self.last - self.shift).min(around);
+        let path = Path {
+            origin: self.center + (self.foot + self.direction * begin),
+            direction: self.direction,
+            reach: DVec3::splat(2.0 * self.error),
+        };
+        let before = self.shift + begin - 2.0 * self.error;
+        (begin <= end).then_some(Stretch { path, length: end - begin, before })
     }
 
     /// The local point at a distance along the ray.
@@ -142,13 +166,24 @@ impl LocalRay {
     }
 }
 
+/// A part of a ray as a path in the target's frame.
+pub(super) struct Stretch {
+    pub path: Path,
+    /// Metres.
+    pub length: f64,
+    /// How far along the ray it begins, less what that may be off by.
+    before: f64,
+}
+
+impl Stretch {
+    /// How far along the path a touch may lie that is no farther along the ray than this.
+    pub(super) fn limit(&self, distance: f64) -> f64 {
+        distance - self.before
+    }
+}
+
 impl ExactRay {
     fn is_in_range(&self) -> bool {
         expansion::is_in_range(self.origin) && expansion::is_in_range(self.direction)
     }
-}
-
-fn exact_difference(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
-    let parts = [0, 1, 2].map(|axis| two_sum(a[axis], -b[axis]));
-    (DVec3::from_array(parts.map(|(difference, _)| difference)), DVec3::from_array(parts.map(|(_, lost)| lost)))
 }

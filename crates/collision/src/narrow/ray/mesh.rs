@@ -19,10 +19,10 @@ use super::{
 };
 use crate::{
     answer::{Bound, Feature, Verdict, Work},
-    broad::{ALL_LAYERS, Path, Tree},
+    broad::{ALL_LAYERS, Tree},
     math::Pose,
-    narrow::Placed,
-    shape::Mesh,
+    narrow::place::Place,
+    shape::{Geometry, Mesh},
 };
 
 /// Triangles of a patch at most: more meet at one vertex only in contrived meshes, and then the touch stays undecided.
@@ -38,32 +38,21 @@ struct Candidate {
 }
 
 /// What a ray touches of a mesh.
-pub(super) fn touches(ray: &Ray, mesh: &Mesh, target: Placed<'_>, work: &mut Work) -> RayTouches {
-    let center = Target::about_center(target.geometry);
-    let local = LocalRay::new(ray, &target.pose, center);
-    if local.passes_ball(center.radius) {
+pub(super) fn touches(ray: &Ray, (mesh, geometry): (&Mesh, &Geometry), place: &Place, work: &mut Work) -> RayTouches {
+    let center = Target::about_center(geometry, place.blur);
+    let local = LocalRay::new(ray, &place.pose, center);
+    let Some(stretch) = local.stretch(center.radius) else {
         return RayTouches::default();
-    }
-    let around = center.radius + 2.0 * local.error;
-    let begin = (local.first - local.shift).max(-around);
-    let end = (local.last - local.shift).min(around);
-    if begin > end {
-        return RayTouches::default();
-    }
-    let path = Path {
-        origin: center.center + (local.foot + local.direction * begin),
-        direction: local.direction,
-        reach: DVec3::splat(2.0 * local.error),
     };
     let sight = Sight::new(&local, center.center);
     let mut found = Found::default();
-    let Ok(()) = mesh.tree().visit_ray(&path, end - begin, ALL_LAYERS, work, |work, leaf| {
+    let Ok(()) = mesh.tree().visit_ray(&stretch.path, stretch.length, ALL_LAYERS, work, |work, leaf| {
         work.pairs_tested += 1;
         work.iterations += 1;
         found.offer(candidate(&sight, mesh, leaf as usize, ray.faces));
-        Ok::<f64, Infallible>(found.limit - local.shift - begin + 2.0 * local.error)
+        Ok::<f64, Infallible>(stretch.limit(found.limit))
     });
-    found.touches(&local, mesh, &target.pose)
+    found.touches(&local, mesh, &place.pose)
 }
 
 /// What is known of the ray and one triangle; `None` if it is surely not touched.

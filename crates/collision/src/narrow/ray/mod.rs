@@ -9,6 +9,7 @@
 //! A miss that is not proved: what rounding leaves open is an undecided touch.
 
 mod advance;
+mod compound;
 mod cone;
 mod crossing;
 mod cylinder;
@@ -33,12 +34,12 @@ use self::{
     nearest::Solid,
     round::Round,
 };
-use super::Placed;
+use super::{Placed, place::Place};
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Feature, Work},
     math::Norm,
-    shape::{Convex, Core, Form, Hull, Span},
+    shape::{Convex, Core, Form, Geometry, Hull, Span},
 };
 
 /// A ray. Its direction is of any length but 0; distances along it are metres.
@@ -113,7 +114,7 @@ pub struct RayTouches {
 ///
 /// A mesh is a surface: it has no inside, both sides count unless the ray's [`Faces`] say otherwise, and a ray in the plane
 /// of a triangle does not meet that triangle. Where triangles share an edge the least number wins. An undecided touch does not hide a certain one behind
-/// it: see [`RayTouches`].
+/// it: see [`RayTouches`]. A compound is met where the first of its parts is; each part is full, hollow or culled by itself.
 ///
 /// ```
 /// use collision::{DVec3, accuracy::Accuracy, answer::Work, math::Pose, narrow, shape::Geometry};
@@ -132,15 +133,27 @@ pub struct RayTouches {
 /// assert!(touch.certificate.bound.contains(1e9 - 1.0));
 /// ```
 pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> RayTouches {
-    let convex = match target.geometry.form() {
-        Form::Mesh(mesh) => return mesh::touches(ray, mesh, target, work),
+    let Placed { geometry, pose } = target;
+    match geometry.form() {
+        Form::Mesh(mesh) => mesh::touches(ray, (mesh, geometry), &Place::of(pose), work),
         Form::HalfSpace(half_space) => {
             work.pairs_tested += 1;
             work.iterations += 1;
-            return half_space::touches(ray, half_space, &target.pose);
+            half_space::touches(ray, half_space, &pose)
         }
-        Form::Convex(convex) => convex,
-    };
+        Form::Convex(convex) => touches(ray, (convex, geometry), &Place::of(pose), accuracy, work),
+        Form::Compound(compound) => compound::touches(ray, (compound, geometry), &pose, accuracy, work),
+    }
+}
+
+/// What a ray touches of a convex body.
+fn touches(
+    ray: &Ray,
+    (convex, geometry): (&Convex, &Geometry),
+    place: &Place,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> RayTouches {
     work.pairs_tested += 1;
     work.iterations += 1;
     let about = match &convex.core {
@@ -149,10 +162,10 @@ pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Wo
         | Core::Cuboid { .. }
         | Core::Cylinder { .. }
         | Core::Cone { .. }
-        | Core::Ellipsoid { .. } => Target::about_origin(target.geometry),
-        Core::Hull(_) | Core::Triangle(_) => Target::about_center(target.geometry),
+        | Core::Ellipsoid { .. } => Target::about_origin(geometry, place.blur),
+        Core::Hull(_) | Core::Triangle(_) => Target::about_center(geometry, place.blur),
     };
-    let local = LocalRay::new(ray, &target.pose, about);
+    let local = LocalRay::new(ray, &place.pose, about);
     if local.passes_ball(about.radius) {
         return RayTouches::default();
     }
@@ -161,7 +174,7 @@ pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Wo
         (None, true) => rounded_crossing(&local, convex, about, accuracy, work),
         (None, false) => core_crossing(&local, &convex.core, about.center),
     };
-    crossing.map_or_else(RayTouches::default, |crossing| crossing.touches(ray, &local, &target.pose))
+    crossing.map_or_else(RayTouches::default, |crossing| crossing.touches(ray, &local, &place.pose))
 }
 
 /// Forms around a point or a segment have formulas with any radius. `None`: it is none of them.

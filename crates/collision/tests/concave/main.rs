@@ -1,0 +1,7 @@
+//! Concave forms: compounds, and that two ways to say the same give the same answers.
+
+mod agree;
+mod compounds;
+mod exact;
+#[path = "../whole/mod.rs"]
+mod whole;
