@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use collision::shape::{Convex, Core, Form, Geometry, Hull, Mesh};
+use collision::shape::{Compound, Convex, Core, Form, Geometry, Hull, Mesh, Part};
 use wire::v1::{self as pb, geometry::Kind};
 
-use super::geometry::geometry_out;
+use super::{geometry::geometry_out, place::pose_out};
 
 /// How many numbers there are.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +61,7 @@ pub(crate) fn header_out(geometry: &Geometry, lists: Lists) -> pb::GeometryHeade
             let kind = Some(Kind::Mesh(pb::TriangleMesh { mode, ..pb::TriangleMesh::default() }));
             pb::Geometry { kind, ..pb::Geometry::default() }
         }
+        Form::Compound(compound) => whole_compound(compound),
         Form::Convex(_) | Form::HalfSpace(_) => geometry_out(geometry),
     };
     pb::GeometryHeader {
@@ -70,16 +71,39 @@ pub(crate) fn header_out(geometry: &Geometry, lists: Lists) -> pb::GeometryHeade
     }
 }
 
+/// A compound with all that its parts hold.
+fn whole_compound(compound: &Compound) -> pb::Geometry {
+    let part =
+        |part: &Part| pb::CompoundPart { geometry: Some(whole(&part.geometry)), pose: Some(pose_out(&part.pose)) };
+    let parts = compound.parts().iter().map(part).collect();
+    pb::Geometry { kind: Some(Kind::Compound(pb::Compound { parts })), ..pb::Geometry::default() }
+}
+
+/// A geometry with its lists in it.
+fn whole(geometry: &Geometry) -> pb::Geometry {
+    let lists = Lists::of(geometry);
+    let mut form = header_out(geometry, lists).geometry.unwrap_or_default();
+    match &mut form.kind {
+        Some(Kind::Hull(hull)) => hull.points = lists.values(geometry, 0..lists.value_count),
+        Some(Kind::Mesh(mesh)) => {
+            mesh.vertices = lists.values(geometry, 0..lists.value_count);
+            mesh.indices = lists.indices(geometry, 0..lists.index_count);
+        }
+        Some(_) | None => {}
+    }
+    form
+}
+
 fn hull_of(geometry: &Geometry) -> Option<&Hull> {
     match geometry.form() {
         Form::Convex(Convex { core: Core::Hull(hull), .. }) => Some(hull),
-        Form::Convex(_) | Form::Mesh(_) | Form::HalfSpace(_) => None,
+        Form::Convex(_) | Form::Mesh(_) | Form::HalfSpace(_) | Form::Compound(_) => None,
     }
 }
 
 fn mesh_of(geometry: &Geometry) -> Option<&Mesh> {
     match geometry.form() {
         Form::Mesh(mesh) => Some(mesh),
-        Form::Convex(_) | Form::HalfSpace(_) => None,
+        Form::Convex(_) | Form::HalfSpace(_) | Form::Compound(_) => None,
     }
 }

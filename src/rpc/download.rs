@@ -8,7 +8,7 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 use wire::v1::{self as pb, geometry_piece::Piece};
 
-use super::{Answers, Caller, READER_PATIENCE, Server};
+use super::{Answers, Caller, READER_PATIENCE, Server, fitting};
 use crate::{
     convert::lists::{Lists, header_out},
     token::Role,
@@ -31,10 +31,11 @@ pub(super) fn answer(
     let sent = request.into_inner();
     let session = server.enter(&caller, &sent.session, Role::Reader)?;
     let geometry = session.geometries.get(&sent.geometry_id)?;
+    let lists = Lists::of(&geometry);
+    let header = fitting(header_out(&geometry, lists), "download the parts of the compound by their own ids")?;
     let (parts, unread) = mpsc::channel(UNREAD_MESSAGES);
     tokio::spawn(async move {
-        let lists = Lists::of(&geometry);
-        if !is_taken(&parts, Piece::Header(header_out(&geometry, lists))).await {
+        if !is_taken(&parts, Piece::Header(header)).await {
             return;
         }
         for chunk in chunks(&geometry, lists) {

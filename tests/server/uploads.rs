@@ -141,6 +141,26 @@ async fn a_kind_without_lists_comes_down_as_a_header_alone() {
 }
 
 #[tokio::test]
+async fn a_compound_comes_down_with_all_its_parts_hold() {
+    let mut bench = Bench::start().await;
+    let mut other = Bench::start().await;
+    let (vertices, indices) = hills(4);
+    let mesh = geometry(Kind::Mesh(pb::TriangleMesh { vertices: vertices.clone(), indices, ..Default::default() }));
+    let part = |geometry, pose| pb::CompoundPart { geometry: Some(geometry), pose: Some(pose) };
+    let inner = geometry(Kind::Compound(pb::Compound { parts: vec![part(sphere(0.5), at(1.0, 0.0, 0.0))] }));
+    let hull = geometry(Kind::Hull(pb::ConvexHull { points: vertices }));
+    let parts = vec![part(mesh, at(0.0, 1.0, 0.0)), part(inner, at(0.0, 0.0, 1.0)), part(hull, at(2.0, 0.0, 0.0))];
+    let form = geometry(Kind::Compound(pb::Compound { parts }));
+    let request = |form| pb::CreateGeometryRequest { session: String::new(), geometry: Some(form) };
+    let created = bench.geometries.create_geometry(request(form)).await.unwrap().into_inner().geometry.unwrap();
+    let pieces = download(&mut bench, &created.geometry_id).await.unwrap();
+    let [Piece::Header(header)] = pieces.as_slice() else { panic!("{pieces:?}") };
+    let form = header.geometry.clone().unwrap();
+    let again = other.geometries.create_geometry(request(form)).await.unwrap().into_inner().geometry.unwrap();
+    assert_eq!(again.geometry_id, created.geometry_id);
+}
+
+#[tokio::test]
 async fn a_wrong_upload_is_told_what_is_wrong_and_registers_nothing() {
     let mut bench = Bench::start().await;
     let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
