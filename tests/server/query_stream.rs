@@ -200,3 +200,42 @@ async fn many_questions_wait_in_the_pipe_for_a_slow_reader_and_none_is_lost() {
     }
     sending.await.unwrap();
 }
+
+#[tokio::test]
+async fn a_pipelined_client_answers_each_of_many_tasks_its_own() {
+    let mut bench = readme_world().await;
+    let address = bench.server.local_addr().to_string();
+    let client = calipers_client::Client::connect(&address).await.unwrap();
+    let pipelined = client.clone().pipelined();
+    let asked = |place: u32| {
+        let origin = [f64::from(place) * 0.01 - 5.0, 0.0, 0.0];
+        calipers_client::ask::ray(origin, [0.0, 0.0, 1.0])
+    };
+    let tasks: Vec<_> = (0..1000)
+        .map(|place| {
+            let client = pipelined.clone();
+            tokio::spawn(async move { client.raycast(asked(place)).await })
+        })
+        .collect();
+    let mut hits = 0;
+    for (place, task) in (0..).zip(tasks) {
+        let answer = task.await.unwrap().unwrap();
+        assert_eq!(answer, client.raycast(asked(place)).await.unwrap());
+        hits += answer.hits.len();
+    }
+    assert!((150..250).contains(&hits), "{hits}");
+    // What is wrong is told as a call would tell it.
+    let wrong = || pb::RaycastRequest { direction: None, ..ray_along_z() };
+    let (piped, called) = (pipelined.raycast(wrong()).await.unwrap_err(), client.raycast(wrong()).await.unwrap_err());
+    assert_eq!((piped.code(), piped.reason()), (called.code(), called.reason()));
+    assert!(piped.to_string().ends_with("direction is absent: a direction is required, such as {\"z\": 1}"), "{piped}");
+    // Another session's questions go on the stream of its own token.
+    let made = bench.create_session("arena").await;
+    let arena = pipelined.clone().with_session("arena");
+    assert_eq!(arena.raycast(ray_along_z()).await.unwrap_err().code(), Some(Code::Unauthenticated));
+    let arena = arena.with_token(&made.token).unwrap();
+    assert!(arena.raycast(ray_along_z()).await.unwrap().hits.is_empty());
+    // A stream that ends fails what is asked of it, and says so.
+    bench.server.stop().await;
+    assert!(pipelined.raycast(ray_along_z()).await.unwrap_err().is_passing());
+}

@@ -28,6 +28,7 @@ mod client;
 pub mod edit;
 mod error;
 pub mod geometry;
+mod pipeline;
 pub mod shape;
 mod upload;
 mod writer;
