@@ -130,6 +130,16 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
             let field = if id.is_some() { "subject.id" } else { "subject.geometry" };
             half_space_subject(field)
         }
+        QuestionError::SubjectNotConvex(id) => {
+            let field = if id.is_some() { "subject.id" } else { "subject.geometry" };
+            let what = "is not convex: a character is, such as {\"capsule\": {\"half_height\": 0.5, \"radius\": 0.4}}";
+            Problem::at(field, Reason::BadGeometry, what)
+        }
+        QuestionError::Skin(error) => Problem::at(
+            "skin",
+            Reason::OutOfLimits,
+            format!(": {error}; the character and its skin are too large or small"),
+        ),
         QuestionError::NeedsDecomposition(id) => {
             let with = id.map_or_else(|| "the geometry in against".to_owned(), |id| format!("shape {id}"));
             let what = format!(
@@ -165,7 +175,7 @@ fn ray_hit(hit: &RayHit) -> Checked<pb::RayHit> {
     })
 }
 
-fn contact(contact: &Contact) -> Checked<pb::Contact> {
+pub(super) fn contact(contact: &Contact) -> Checked<pb::Contact> {
     Ok(pb::Contact {
         id: id_or_none(contact.id),
         normal: Some(vec3_out(contact.normal)?),
@@ -187,7 +197,7 @@ fn contact_point(point: &ContactPoint) -> Checked<pb::ContactPoint> {
     })
 }
 
-fn impact(impact: &Impact) -> Checked<pb::Impact> {
+pub(super) fn impact(impact: &Impact) -> Checked<pb::Impact> {
     let touch = &impact.touch;
     Ok(pb::Impact {
         id: id_or_none(impact.id),

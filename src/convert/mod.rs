@@ -5,6 +5,7 @@
 //! puts its own name before them.
 
 pub(crate) mod answer;
+pub(crate) mod character;
 pub(crate) mod columns;
 mod compound;
 pub(crate) mod edit;

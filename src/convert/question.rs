@@ -233,7 +233,7 @@ pub(crate) fn shape_not_found(field: &str, id: u64, tick: Tick) -> Problem {
     Problem::at(field, Reason::ShapeNotFound, what).with_shape(id)
 }
 
-fn subject(sent: Option<&pb::Subject>, known: &Geometries) -> Checked<Subject> {
+pub(super) fn subject(sent: Option<&pb::Subject>, known: &Geometries) -> Checked<Subject> {
     let Some(sent) = sent else {
         let what = "is absent: say what is asked about, such as {\"geometry\": {\"sphere\": {\"radius\": 1}}}; {} is a \
                     point at the origin";

@@ -45,9 +45,6 @@ later! {
     IMPORT_WORLD = "ImportWorld"
         will "fill an empty world from an export"
         meanwhile "insert the shapes with Edit or EditStream";
-    MOVE_CHARACTER = "MoveCharacter"
-        will "slide a character along what it meets"
-        meanwhile "ask TimeOfImpact and project what is left of the way onto the plane of its normal";
     RESOLVE = "Resolve"
         will "say how bodies in contact bounce and are pushed apart"
         meanwhile "ask Penetration, which gives the contacts with their depths and normals";

@@ -15,6 +15,7 @@ mod geometry;
 mod items;
 mod later;
 mod list_shapes;
+mod move_character;
 mod overlap;
 mod overlap_batch;
 mod pairs;

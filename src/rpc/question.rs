@@ -3,7 +3,7 @@
 use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
 
 use super::{
-    distance, later, overlap, penetration, raycast,
+    distance, move_character, overlap, penetration, raycast,
     scene::{Asking, Scene},
     time_of_impact,
 };
@@ -29,10 +29,7 @@ pub(super) fn heading(sent: &pb::Question) -> Checked<Heading<'_>> {
         Ok(Heading { name, session: sent.session(), options: sent.options() })
     }
     match &sent.question {
-        None => {
-            let what = "is absent: it is one of raycast, overlap, penetration, time_of_impact, distance";
-            Err(Problem::at("question", Reason::Missing, what))
-        }
+        None => Err(no_question()),
         Some(Asked::Raycast(sent)) => of("raycast", sent),
         Some(Asked::Overlap(sent)) => of("overlap", sent),
         Some(Asked::Penetration(sent)) => of("penetration", sent),
@@ -40,6 +37,11 @@ pub(super) fn heading(sent: &pb::Question) -> Checked<Heading<'_>> {
         Some(Asked::Distance(sent)) => of("distance", sent),
         Some(Asked::MoveCharacter(sent)) => of("move_character", sent),
     }
+}
+
+fn no_question() -> Problem {
+    let what = "is absent: it is one of raycast, overlap, penetration, time_of_impact, distance, move_character";
+    Problem::at("question", Reason::Missing, what)
 }
 
 /// Answers it on the scene's version.
@@ -54,7 +56,8 @@ pub(super) fn answer(sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
         Some(Asked::Penetration(sent)) => penetration::answer(sent, scene).map(Kind::Penetration),
         Some(Asked::TimeOfImpact(sent)) => time_of_impact::answer(sent, scene).map(Kind::TimeOfImpact),
         Some(Asked::Distance(sent)) => distance::answer(sent, scene).map(Kind::Distance),
-        Some(Asked::MoveCharacter(_)) | None => return Err(later::MOVE_CHARACTER.into()),
+        Some(Asked::MoveCharacter(sent)) => move_character::answer(sent, scene).map(Kind::MoveCharacter),
+        None => return Err(no_question()),
     };
     answered.under(name)
 }

@@ -6,8 +6,8 @@ use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
 use super::{
-    Caller, Server, batch, distance, distance_batch, fitting, later, overlap, overlap_batch, pairs, penetration,
-    query_stream, raycast, raycast_batch,
+    Caller, Server, batch, distance, distance_batch, fitting, later, move_character, overlap, overlap_batch, pairs,
+    penetration, query_stream, raycast, raycast_batch,
     scene::{Asking, Scene, unary},
     time_of_impact, time_of_impact_batch,
 };
@@ -49,9 +49,9 @@ impl pb::query_service_server::QueryService for Questions {
 
     async fn move_character(
         &self,
-        _request: Request<pb::MoveCharacterRequest>,
+        request: Request<pb::MoveCharacterRequest>,
     ) -> Result<Response<pb::MoveCharacterResponse>, Status> {
-        Err(later::MOVE_CHARACTER.into())
+        unary(&self.0, request, move_character::answer).await
     }
 
     async fn resolve(&self, _request: Request<pb::ResolveRequest>) -> Result<Response<pb::ResolveResponse>, Status> {

@@ -22,7 +22,6 @@ async fn calls_of_later_versions_say_what_to_use_meanwhile() {
         worlds.watch_world(pb::WatchWorldRequest::default()) says "WatchWorld", "ListShapes";
         worlds.export_world(pb::ExportWorldRequest::default()) says "ExportWorld", "ListShapes";
         worlds.import_world(tokio_stream::once(pb::ImportWorldRequest::default())) says "ImportWorld", "EditStream";
-        questions.move_character(pb::MoveCharacterRequest::default()) says "MoveCharacter", "TimeOfImpact";
         questions.resolve(pb::ResolveRequest::default()) says "Resolve", "Penetration";
     }
 }

@@ -6,6 +6,7 @@ mod bad_questions;
 mod batch;
 mod bullets;
 mod by_hand;
+mod characters;
 mod columns;
 mod compounds;
 mod edit_stream;

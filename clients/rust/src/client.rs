@@ -335,6 +335,8 @@ questions_of_the_session! {
     time_of_impact(TimeOfImpactRequest) -> TimeOfImpactResponse as TimeOfImpact;
     /// Which shapes are nearest to the subject, and how near?
     distance(DistanceRequest) -> DistanceResponse as Distance;
+    /// How far does a character get that slides along what it meets?
+    move_character(MoveCharacterRequest) -> MoveCharacterResponse as MoveCharacter;
 }
 
 fn overdue() -> Status {

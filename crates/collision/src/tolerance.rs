@@ -289,3 +289,31 @@ pub const PARALLEL_LEAN: f64 = 16.0 * ROUNDING;
 /// by the tilt, is far below. Larger or smaller by a few thousand changes little. Pinned by
 /// `rims_beside_edges_are_measured_to_the_last_digits` in `tests/convex/settled.rs`.
 pub const EDGE_TILT: f64 = 1.0 / 1_073_741_824.0;
+
+/// Two unit normals of planes that a character must not go into are taken for the same plane if they are nearer than this.
+/// Larger: it slides off a bend by as much of its way. Smaller: the triangles of a flat floor are many planes, which costs
+/// time. Pinned by `world/character.rs`, the floor of triangles.
+pub const SAME_PLANE: f64 = 1e-9;
+
+/// A way goes into a plane if more than this part of its length does. A shadow of a way on a plane is off by some roundings
+/// of the way. Larger: a character sinks by as much of its way in each stride. Smaller: it sticks to planes it slides
+/// along. Pinned by `no_way_that_is_allowed_is_nearer_to_the_wish`.
+pub const SLIDE_SLACK: f64 = 1e-14;
+
+/// How much farther than its skin, as a part of it, a character stays from what stops it; twice as far out it looks for planes.
+/// Larger: it keeps more distance than asked. Smaller: sweeps along a wall begin so near to touching it that rounding leaves
+/// open whether they do. Pinned by `world/character.rs`, walls and stairs.
+pub const SKIN_MARGIN: f64 = 1.0 / 128.0;
+
+/// The skin that a character without one has for that margin, as a part of its reach: 2⁻²⁰. Larger and smaller: as for
+/// [`SKIN_MARGIN`]. Pinned by `world/character.rs`, no skin.
+pub const SKIN_MIN: f64 = 1.0 / 1_048_576.0;
+
+/// What is left of a way is not gone if it is less than this part of the whole, 2⁻⁴⁰. Larger: ways end short. Smaller:
+/// strides are spent on roundings. Pinned by `world/character.rs`, corners.
+pub const STRIDE_MIN: f64 = 8192.0 * ROUNDING;
+
+/// How far beside an edge, as a part of its reach, a character looks for the surface that the edge belongs to. Larger: ledges
+/// that are narrower than this are no floors. Smaller: rounding of the contact point may miss the surface. Pinned by
+/// `world/character.rs`, stairs.
+pub const BESIDE_EDGE: f64 = 1.0 / 1024.0;

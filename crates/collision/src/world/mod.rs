@@ -3,6 +3,7 @@
 
 mod batch;
 mod changed;
+mod character;
 mod check;
 mod content;
 mod describe;
@@ -28,6 +29,7 @@ mod store;
 mod sweeps;
 mod tracks;
 
+pub use character::{MoveCharacter, MovedCharacter};
 pub use describe::{BuiltStructure, Description};
 pub use distance::{Distance, Neighbor};
 pub use edit::{Edit, EditError, EditFault, EditReport, EditRule, World};

@@ -8,7 +8,7 @@ use crate::{
     answer::{Verdict, Work},
     broad::Toll,
     math::Pose,
-    shape::Geometry,
+    shape::{Geometry, GeometryError},
 };
 
 /// What a question is about.
@@ -68,6 +68,12 @@ pub enum QuestionError {
     /// Depth between two meshes, or compounds with such, needs convex parts.
     #[error("{} and the subject both have meshes without convex parts", .0.map_or("what it is tested against".into(), |id| format!("shape {id}")))]
     NeedsDecomposition(Option<ShapeId>),
+    /// The subject, by its id if it is a shape, must be convex for this question.
+    #[error("{} is not convex, which this question needs", .0.map_or("the subject".into(), |id| format!("shape {id}")))]
+    SubjectNotConvex(Option<ShapeId>),
+    /// The subject with its skin is out of limits.
+    #[error("the subject cannot have this skin: {0}")]
+    Skin(GeometryError),
     /// More pairs overlap than a list holds, or telling which takes too many steps.
     #[error(
         "more than {} pairs overlap, or telling which takes more than {} steps",

@@ -1,6 +1,7 @@
 //! Laws of worlds: their edits, their versions and the answers to questions.
 
 mod bullets;
+mod character;
 mod content;
 mod determinism;
 mod edited;
