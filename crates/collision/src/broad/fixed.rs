@@ -48,6 +48,12 @@ impl StaticTree {
 
     fn adopt(&mut self, cell: usize, built: Built) {
         let base = self.forest.nodes.len() as u32;
+        if base == 0 {
+            self.forest.nodes = built.nodes;
+            self.forest.nodes.shrink_to_fit();
+            self.forest.set_root(cell, base);
+            return;
+        }
         self.forest.nodes.reserve_exact(built.nodes.len());
         self.forest.nodes.extend(built.nodes.into_iter().map(|mut node| {
             node.renumber(|index| base + index);

@@ -158,12 +158,16 @@ impl<N> Forest<N> {
     /// Gives every box a home and returns the items of each cell.
     pub(super) fn assign(&mut self, boxes: &[Large]) -> Vec<Vec<Item>> {
         let mut items: Vec<Vec<Item>> = Vec::new();
-        for large in boxes {
+        for (at, large) in boxes.iter().enumerate() {
             match self.settle_in(large.bounds) {
                 Home::Large => self.large.push(*large),
                 Home::Cell(cell) => {
                     let (cell, Large { leaf, bounds, layers }) = (cell as usize, *large);
-                    items.resize_with(items.len().max(cell + 1), Vec::new);
+                    if items.len() <= cell {
+                        items.resize_with(cell + 1, Vec::new);
+                        // Mostly all that is left goes into one cell.
+                        items[cell].reserve(boxes.len() - at);
+                    }
                     let bounds = LocalBox::around(bounds, self.cells[cell].origin);
                     items[cell].push(Item { bounds, leaf, layers });
                 }
