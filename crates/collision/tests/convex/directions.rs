@@ -6,7 +6,7 @@ use collision::{
     answer::{Stop, Work},
     math::Pose,
     narrow::{self, Depth},
-    shape::Geometry,
+    shape::{Geometry, GeometryError},
 };
 
 use crate::random::{Body, Noise};
@@ -80,4 +80,55 @@ fn ellipsoids_about_the_same_axes_are_as_deep_as_their_least_sum() {
         };
         assert_depth(&body(r), &body(s), (r + s).min_element(), "ellipsoids");
     }
+}
+
+/// A stick, a plate or a corner that dips into an ellipsoid by less than any radius of its curvature: the ball about the lowest
+/// point closes all ways out but the one it came by.
+#[test]
+fn what_dips_into_a_leaf_is_as_deep_as_its_lowest_point() {
+    let noise = &mut Noise(44);
+    for number in 0..400 {
+        let radii = DVec3::from_array([1.0; 3].map(|size: f64| size * 10f64.powf(noise.between(-5.0, -0.5))));
+        let along = noise.vector().normalize();
+        let (lowest, outward) = (radii * along, (along / radii).normalize());
+        let depth = noise.between(0.01, 0.9) * radii.min_element().powi(2) / radii.max_element();
+        let across = noise.vector().cross(outward).normalize();
+        let half = DVec3::new(noise.between(0.1, 1.0), 0.0, noise.between(0.1, 1.0));
+        // Its y along the normal, so that it lies across that.
+        let lying = DQuat::from_rotation_arc(DVec3::Y, outward);
+        let leaning = noise.rotation().normalize();
+        let corner = (leaning.inverse() * -outward).signum() * DVec3::new(half.x, 0.5, half.z);
+        let (geometry, rotation, tip) = match number % 3 {
+            0 => (Geometry::capsule(0.5, 0.0), DQuat::from_rotation_arc(DVec3::Y, across), DVec3::ZERO),
+            1 => (Geometry::cuboid(half), lying, DVec3::ZERO),
+            _ => (Geometry::cuboid(corner.abs()), leaning, corner),
+        };
+        let shift = rotation * DVec3::new(noise.signed() * 0.05, 0.0, 0.0) * if number % 3 == 1 { 1.0 } else { 0.0 };
+        let position = lowest - outward * depth - rotation * tip + shift;
+        let leaf = Body { geometry: Geometry::ellipsoid(radii).expect("radii"), pose: Pose::IDENTITY };
+        let other = Body { geometry: geometry.expect("sizes"), pose: Pose::new(position, rotation) };
+        let found = self::depth(&leaf, &other);
+        let bound = found.certificate.bound;
+        let is_held = bound.lower - 1e-15 <= depth && depth <= bound.upper + 1e-15;
+        let is_narrow = bound.width() <= 1e-12 && found.certificate.stop == Stop::Converged;
+        assert!(is_held && is_narrow, "{number}: {depth:e} {found:?}, radii {radii}");
+    }
+}
+
+fn body(geometry: Result<Geometry, GeometryError>, position: [f64; 3], rotation: [f64; 4]) -> Body {
+    let pose = Pose::new(DVec3::from_array(position), DQuat::from_array(rotation));
+    Body { geometry: geometry.expect("a form"), pose }
+}
+
+/// A stick through a leaf of 1e-5 of its length, for which no search over directions ends: the oracle tells the depth to three
+/// digits.
+#[test]
+fn a_depth_that_only_a_ball_proves() {
+    let leaf = Geometry::ellipsoid(DVec3::new(0.10068127620871838, 2.587880375411494e-6, 0.0005575982277538124));
+    let turn = [0.3673345756292249, -0.19671092927862305, -0.38322416873128307, -0.8243235750297664];
+    let a = body(leaf, [0.9657019853155089, -0.18179975412143923, 0.35028537260524867], turn);
+    let turn = [-0.7687220876210008, 0.3893692417956749, -0.3955297485467464, 0.3178272542775701];
+    let stick = Geometry::capsule(0.186806896815091, 0.0);
+    let b = body(stick, [0.964133890076489, -0.22519207297278152, 0.1404790812761747], turn);
+    assert_depth(&a, &b, 9.925e-12, "leaf and stick");
 }

@@ -3,8 +3,8 @@
 //! # Method
 //! The cheapest way that is exact, in this order: boxes by their fifteen axes; while the cores are apart, the radii less the
 //! gap, which GJK proves; where the cores overlap, a formula if there is one, the balls and capsules inside round cores and an
-//! expanding polytope; and where that is wider than rounding, all separating axes of polytopes, and of round cores a search
-//! over all directions. The upper bound is the width along the returned normal, a true way out for any normal.
+//! expanding polytope; and where that is wider than rounding, all separating axes of polytopes, and of round cores a ball in the
+//! one about a point of the other and a search over all directions. The upper bound is the width along the returned normal, a true way out for any normal.
 
 use std::cmp::Ordering;
 
@@ -18,6 +18,7 @@ use super::{
     gjk::{self, Gap},
     inscribed,
     manifold::{self, edge_names, names},
+    nested,
     warm::Seed,
 };
 use crate::{
@@ -136,9 +137,10 @@ pub(super) fn overlapping(pair: &Pair<'_>, gap: &Gap, budget: u32, is_enough: im
     let floor = by_form.max(inscribed::depth_lower(pair) - radius);
     let turns = if has_round_core(pair) { rest.min(ROUND_ITERATIONS_MAX) } else { rest };
     let grown = epa::depth(pair, &gap.simplex, floor, turns, |lower, upper| is_enough(lower + radius, upper + radius));
+    let points = grown.as_ref().and_then(|grown| grown.witnesses);
     let touch = match grown {
         Some(grown) if grown.stop != Stop::Converged || grown.upper - grown.lower <= DEPTH_WIDTH => {
-            let witnesses = Some(grown.witnesses);
+            let witnesses = grown.witnesses;
             let touch = Touch::by_polytope(grown, radius);
             // The triangle that gave the normal may lie far below the support point there.
             let is_deep = has_round_core(pair) && touch.best - radius > DEPTH_WIDTH;
@@ -154,7 +156,7 @@ pub(super) fn overlapping(pair: &Pair<'_>, gap: &Gap, budget: u32, is_enough: im
         }
         None => Touch::by_axes(axes::depth(pair), radius),
     };
-    let touch = narrowed(pair, touch, rest, &is_enough);
+    let touch = narrowed(pair, touch.with_ball(pair, points), rest, &is_enough).with_ball(pair, None);
     match by_formula.map(|found| Touch::by_formula(&found, radius)) {
         Some(found) if found.upper < touch.upper => {
             Touch { lower: touch.lower, stop: touch.stop, iterations: touch.iterations, ..found }
@@ -261,13 +263,34 @@ impl Touch {
             lower: depth.lower + radius,
             upper: depth.upper + radius,
             normal: depth.normal,
-            witnesses: Some(depth.witnesses),
+            witnesses: depth.witnesses,
             edges: None,
             features: depth.features,
             method: Method::Epa,
             stop: depth.stop,
             iterations: depth.iterations,
         }
+    }
+
+    /// The same with what a ball in one core about a point of the other proves, and the way out that it shows: the search for it begins
+    /// at the points that are known, or at the farthest ones along the normal.
+    fn with_ball(self, pair: &Pair<'_>, points: Option<(DVec3, DVec3)>) -> Self {
+        if self.upper - self.lower <= DEPTH_WIDTH {
+            return self;
+        }
+        let farthest = || (pair.a.support(DVec3::ZERO - self.normal).point, pair.b.support(self.normal).point);
+        let Some(ball) = nested::greatest(pair, points.unwrap_or_else(farthest)) else { return self };
+        let radius = pair.radius();
+        let best = radius - formula::plane(pair, ball.normal) - PAIR_ROUNDING;
+        let (best, upper, normal, witnesses) = if best < self.best {
+            let known = Some((ball.point, ball.point));
+            (best, best + PAIR_ROUNDING, ball.normal, Some(deepest(pair, ball.normal, known)))
+        } else {
+            (self.best, self.upper, self.normal, self.witnesses)
+        };
+        let lower = self.lower.max((ball.radius + radius).min(upper));
+        let stop = if upper - lower <= DEPTH_WIDTH { Stop::Converged } else { self.stop };
+        Self { best: best.max(lower), lower, upper, normal, witnesses, stop, ..self }
     }
 
     /// The shorter of two ways out. What the other proves from below holds for it too, unless that is more than this way out:

@@ -52,6 +52,13 @@ pub(super) fn signed(pair: &Pair<'_>) -> Option<Signed> {
     Some(Signed { lower: lower.min(upper), upper, normal, on_a, on_b: point, common: point, corners: [0; 2] })
 }
 
+/// The radius of the greatest ball about a point that is proved to lie in the ellipsoid of these radii about the origin, 0 if none is,
+/// and the unit vector to where the surface is nearest.
+pub(super) fn ball_about(radii: DVec3, point: DVec3) -> Option<(f64, DVec3)> {
+    let root = Root::of(radii, point);
+    Some((root.ball(), root.outward()?))
+}
+
 /// The root and what it belongs to. Components where the point is 0 count for nothing.
 struct Root {
     radii: DVec3,

@@ -53,8 +53,9 @@ pub(super) struct Penetration {
     pub(super) upper: f64,
     /// Unit vector from `b` to `a`.
     pub(super) normal: DVec3,
-    /// Where the forms are deepest in each other: points of the cores, as far apart as the depth.
-    pub(super) witnesses: (DVec3, DVec3),
+    /// Where the forms are deepest in each other: points of the cores, as far apart as the depth; `None` where it ended before a
+    /// triangle was measured.
+    pub(super) witnesses: Option<(DVec3, DVec3)>,
     /// Names of the features that `normal` comes from.
     pub(super) features: Option<[u16; 2]>,
     pub(super) iterations: u32,
@@ -157,9 +158,9 @@ struct Best {
 impl Best {
     const NONE: Self = Self { width: f64::INFINITY, normal: DVec3::X, face: None };
 
-    fn witnesses(&self) -> (DVec3, DVec3) {
-        let Some(vertices) = &self.face else { return (DVec3::ZERO, DVec3::ZERO) };
-        Simplex::nearest_of(vertices.iter().copied()).map_or((DVec3::ZERO, DVec3::ZERO), |nearest| nearest.witnesses())
+    fn witnesses(&self) -> Option<(DVec3, DVec3)> {
+        let vertices = self.face?;
+        Simplex::nearest_of(vertices.into_iter()).map(|nearest| nearest.witnesses())
     }
 }
 

@@ -25,6 +25,7 @@ mod impact;
 mod inscribed;
 mod manifold;
 mod motion;
+mod nested;
 mod newest;
 mod order;
 mod overlapping;
