@@ -34,7 +34,7 @@ async fn a_batch_is_answered_on_one_tick_and_fails_item_by_item() {
         (2, "questions[2].question", "MISSING"),
         (3, "questions[3].raycast.session", "OUT_OF_LIMITS"),
         (4, "questions[4].raycast.options.read_at", "OUT_OF_LIMITS"),
-        (5, "", "NOT_YET"),
+        (5, "questions[5].move_character.subject", "MISSING"),
     ];
     for (index, field, reason) in problems {
         let Answer::Problem(problem) = &answers[index] else {

@@ -150,7 +150,9 @@ async fn min_tick_waits_for_the_tick_and_not_beyond_the_deadline() {
     let mut late = tonic::Request::new(waiting.clone());
     late.set_timeout(Duration::from_millis(100));
     let status = bench.questions.raycast(late).await.unwrap_err();
-    assert_eq!(status.code(), Code::DeadlineExceeded, "{status}");
+    // On a busy machine the client's own clock may run out first.
+    let is_over = matches!(status.code(), Code::DeadlineExceeded | Code::Cancelled);
+    assert!(is_over, "{status}");
     let mut questions = bench.questions.clone();
     let asked = tokio::spawn(async move { questions.raycast(waiting).await });
     tokio::time::sleep(Duration::from_millis(50)).await;
