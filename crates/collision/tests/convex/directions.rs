@@ -103,8 +103,7 @@ fn what_dips_into_a_leaf_is_as_deep_as_its_lowest_point() {
             1 => (Geometry::cuboid(half), lying, DVec3::ZERO),
             _ => (Geometry::cuboid(corner.abs()), leaning, corner),
         };
-        let shift = rotation * DVec3::new(noise.signed() * 0.05, 0.0, 0.0) * if number % 3 == 1 { 1.0 } else { 0.0 };
-        let position = lowest - outward * depth - rotation * tip + shift;
+        let position = lowest - outward * depth - rotation * tip;
         let leaf = Body { geometry: Geometry::ellipsoid(radii).expect("radii"), pose: Pose::IDENTITY };
         let other = Body { geometry: geometry.expect("sizes"), pose: Pose::new(position, rotation) };
         let found = self::depth(&leaf, &other);
@@ -112,6 +111,33 @@ fn what_dips_into_a_leaf_is_as_deep_as_its_lowest_point() {
         let is_held = bound.lower - 1e-15 <= depth && depth <= bound.upper + 1e-15;
         let is_narrow = bound.width() <= 1e-12 && found.certificate.stop == Stop::Converged;
         assert!(is_held && is_narrow, "{number}: {depth:e} {found:?}, radii {radii}");
+    }
+}
+
+/// Round forms moved into each other by little along the normal of their gap: the question whether they overlap, which ends as soon
+/// as it knows, claims no depth that is not there.
+#[test]
+fn an_overlap_by_little_is_told_as_no_more() {
+    let noise = &mut Noise(45);
+    let exact = Accuracy::of(Tier::Exact);
+    let sizes = |noise: &mut Noise| [noise.between(0.1, 1.0), noise.between(0.1, 1.0), noise.between(0.1, 1.0)];
+    for number in 0..400 {
+        let ([p, q, _], radii) = (sizes(noise), DVec3::from_array(sizes(noise)));
+        let form = |kind: usize| match kind % 4 {
+            0 => Geometry::cuboid(radii),
+            1 => Geometry::cone(p, q),
+            2 => Geometry::cylinder(q, p),
+            _ => Geometry::ellipsoid(radii),
+        };
+        let mut a = body(form(number), [0.0; 3], noise.rotation().to_array());
+        let b = body(form(number / 4 + 1), (noise.vector().normalize() * 4.0).to_array(), noise.rotation().to_array());
+        let gap = narrow::distance(a.placed(), b.placed(), 9.0, &exact, &mut Work::default()).expect("near");
+        let into = 10f64.powf(noise.between(-11.0, -5.0));
+        a.pose.position -= gap.normal_b_to_a.expect("apart") * (gap.distance + into);
+        let overlap = narrow::overlap(a.placed(), b.placed(), &exact, &mut Work::default());
+        let found = self::depth(&a, &b).certificate.bound;
+        let is_told = overlap.bound.lower <= -found.lower && overlap.bound.upper >= -found.upper;
+        assert!(is_told && found.upper <= into + 1e-12, "{number}: {into:e} {overlap:?}, depth {found:?}");
     }
 }
 
