@@ -17,5 +17,6 @@ pub(crate) mod place;
 pub(crate) mod places;
 pub(crate) mod question;
 pub(crate) mod rays;
+pub(crate) mod resolve;
 pub(crate) mod settings;
 pub(crate) mod shape;

@@ -45,7 +45,4 @@ later! {
     IMPORT_WORLD = "ImportWorld"
         will "fill an empty world from an export"
         meanwhile "insert the shapes with Edit or EditStream";
-    RESOLVE = "Resolve"
-        will "say how bodies in contact bounce and are pushed apart"
-        meanwhile "ask Penetration, which gives the contacts with their depths and normals";
 }

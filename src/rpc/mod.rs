@@ -25,6 +25,7 @@ mod question;
 mod questions;
 mod raycast;
 mod raycast_batch;
+mod resolve;
 mod scene;
 mod session;
 mod sessions;

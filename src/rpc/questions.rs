@@ -6,8 +6,8 @@ use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
 use super::{
-    Caller, Server, batch, distance, distance_batch, fitting, later, move_character, overlap, overlap_batch, pairs,
-    penetration, query_stream, raycast, raycast_batch,
+    Caller, Server, batch, distance, distance_batch, fitting, move_character, overlap, overlap_batch, pairs,
+    penetration, query_stream, raycast, raycast_batch, resolve,
     scene::{Asking, Scene, unary},
     time_of_impact, time_of_impact_batch,
 };
@@ -54,8 +54,8 @@ impl pb::query_service_server::QueryService for Questions {
         unary(&self.0, request, move_character::answer).await
     }
 
-    async fn resolve(&self, _request: Request<pb::ResolveRequest>) -> Result<Response<pb::ResolveResponse>, Status> {
-        Err(later::RESOLVE.into())
+    async fn resolve(&self, request: Request<pb::ResolveRequest>) -> Result<Response<pb::ResolveResponse>, Status> {
+        unary(&self.0, request, resolve::answer).await
     }
 
     type PairsStream = super::Answers<pb::PairsResponse>;

@@ -22,6 +22,5 @@ async fn calls_of_later_versions_say_what_to_use_meanwhile() {
         worlds.watch_world(pb::WatchWorldRequest::default()) says "WatchWorld", "ListShapes";
         worlds.export_world(pb::ExportWorldRequest::default()) says "ExportWorld", "ListShapes";
         worlds.import_world(tokio_stream::once(pb::ImportWorldRequest::default())) says "ImportWorld", "EditStream";
-        questions.resolve(pb::ResolveRequest::default()) says "Resolve", "Penetration";
     }
 }

@@ -21,6 +21,7 @@ mod port;
 mod query_stream;
 mod questions;
 mod reading;
+mod resolve;
 mod sessions;
 mod tokens;
 mod uploads;

@@ -24,6 +24,7 @@
 //! This crate computes no geometry and knows nothing of the server's insides: all it knows is `proto/`.
 
 pub mod ask;
+mod calls;
 mod client;
 pub mod edit;
 mod error;

@@ -1,11 +1,11 @@
-//! The collision domain of Calipers: forms, trees, kernels and worlds.
+//! The collision domain of Calipers: forms, trees, kernels, response and worlds.
 //!
 //! # Conventions
 //! Metres, seconds, radians; f64; right-handed coordinates, no notion of up. Sets are closed: exact touch is an
 //! overlap. Normals are unit vectors from `b` to `a` (from the shape of the world to the asker).
 //!
 //! # Layers
-//! `math → broad → shape → narrow → world`; each uses only those to its left (a mesh keeps a tree of boxes).
+//! `math → broad → shape → narrow → response → world`; each uses only those to its left (a mesh keeps a tree of boxes).
 //!
 //! # Never
 //! Network, threads, clocks, files, logging, randomness.
@@ -16,6 +16,7 @@ pub mod broad;
 pub mod math;
 pub mod narrow;
 mod pages;
+pub mod response;
 pub mod shape;
 pub mod tolerance;
 pub mod world;

@@ -19,5 +19,6 @@ mod questions;
 #[path = "../broad/random.rs"]
 mod random;
 mod readers;
+mod resolve;
 mod scene;
 mod traffic;

@@ -88,7 +88,7 @@ impl Snapshot {
             Content::Now(state) => state,
             Content::Then(past) => return past.newest.at(moment),
         };
-        let (tick, fraction) = self.resolve(moment)?;
+        let (tick, fraction) = self.tick_of(moment)?;
         if tick == self.tick {
             return Ok(Arc::clone(self));
         }
@@ -115,7 +115,7 @@ impl Snapshot {
     /// Whether [`Snapshot::at`] gives a moment without preparing anything.
     #[must_use]
     pub fn is_prepared(&self, moment: Moment) -> bool {
-        match (&self.content, self.resolve(moment)) {
+        match (&self.content, self.tick_of(moment)) {
             (Content::Then(past), _) => past.newest.is_prepared(moment),
             (Content::Now(_), Err(_)) => true,
             (Content::Now(_), Ok((tick, fraction))) => {
@@ -134,7 +134,7 @@ impl Snapshot {
         }
     }
 
-    fn resolve(&self, moment: Moment) -> Result<(Tick, f64), HistoryError> {
+    fn tick_of(&self, moment: Moment) -> Result<(Tick, f64), HistoryError> {
         let (oldest, newest) = (self.history.oldest(self.tick), self.tick);
         let (tick, fraction) = match moment {
             Moment::Tick(tick) => (tick, 0.0),
