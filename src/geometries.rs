@@ -7,7 +7,7 @@ use std::{
 };
 
 use collision::{
-    shape::{Geometry, GeometryId},
+    shape::{Geometry, GeometryId, distinct},
     world::Snapshot,
 };
 use parking_lot::Mutex;
@@ -30,7 +30,7 @@ pub(crate) struct Geometries {
 #[derive(Debug, Default)]
 struct Held {
     registered: BTreeMap<GeometryId, Arc<Geometry>>,
-    /// Written in place somewhere; held by the shapes that use them, and shared between equal ones.
+    /// Written in place somewhere; held by the shapes and compounds that use them, and shared between equal ones.
     in_place: HashMap<GeometryId, Weak<Geometry>>,
     /// How many may be in `in_place` before those nobody holds any more are dropped.
     sweep_at: usize,
@@ -57,11 +57,9 @@ impl Held {
 
     /// Counts what they hold now. Costs a pass over all of them.
     fn count_bytes(&mut self) -> u64 {
-        let in_place = self.in_place.iter().filter(|(id, _)| !self.registered.contains_key(*id));
-        let in_place = in_place.filter_map(|(_, geometry)| geometry.upgrade());
-        let in_place: u64 = in_place.map(|geometry| geometry.memory_bytes()).sum();
-        let registered: u64 = self.registered.values().map(|geometry| geometry.memory_bytes()).sum();
-        self.counted_bytes = in_place + registered;
+        let in_place: Vec<Arc<Geometry>> = self.in_place.values().filter_map(Weak::upgrade).collect();
+        let all = distinct(in_place.iter().chain(self.registered.values()));
+        self.counted_bytes = all.into_iter().map(|geometry| geometry.own_bytes()).sum();
         self.counted_bytes
     }
 

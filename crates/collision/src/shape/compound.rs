@@ -132,15 +132,11 @@ impl Compound {
         self.tree.get()
     }
 
-    /// Bytes held now: its lists, its tree if that is built, and each geometry in it once.
+    /// Bytes held now, without its parts: its lists, and its tree if that is built.
     #[must_use]
-    pub fn memory_bytes(&self) -> u64 {
-        let mut counted = HashSet::new();
-        let geometries = self.parts.iter().map(|part| &part.geometry);
-        let distinct = geometries.filter(|geometry| counted.insert(Arc::as_ptr(geometry)));
-        let inside: u64 = distinct.map(|geometry| geometry.memory_bytes()).sum();
+    pub fn own_bytes(&self) -> u64 {
         let lists = size_of_val(self.parts.as_slice()) + size_of_val(self.first_leaves.as_slice());
-        (size_of::<Self>() + lists) as u64 + inside + self.tree.get().map_or(0, StaticTree::memory_bytes)
+        (size_of::<Self>() + lists) as u64 + self.tree.get().map_or(0, StaticTree::memory_bytes)
     }
 
     /// The box of all parts, rounded outwards.
@@ -168,6 +164,22 @@ impl Compound {
         }
         Self::new(parts)
     }
+}
+
+/// The geometries and all that they consist of, each once however often it is shared.
+#[must_use]
+pub fn distinct<'a>(geometries: impl IntoIterator<Item = &'a Arc<Geometry>>) -> Vec<&'a Arc<Geometry>> {
+    let (mut seen, mut found) = (HashSet::new(), Vec::new());
+    let mut open: Vec<&Arc<Geometry>> = geometries.into_iter().collect();
+    while let Some(geometry) = open.pop() {
+        if seen.insert(Arc::as_ptr(geometry)) {
+            found.push(geometry);
+            if let Form::Compound(compound) = geometry.form() {
+                open.extend(compound.parts.iter().map(|part| &part.geometry));
+            }
+        }
+    }
+    found
 }
 
 impl Geometry {

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::{
     Compound, Convex, Core, HalfSpace, Hull, Mesh,
     bounds::{local_bounds, placed_bounds, reach},
+    compound::distinct,
     identity::content_hash,
     limits::{
         AXES, GeometryError, Limits, check_coordinates, check_count, check_finite, check_size, check_size_or_zero,
@@ -297,12 +298,21 @@ impl Geometry {
         self.reach.to_bits()
     }
 
-    /// Bytes it holds in memory now, lazily built structures included.
+    /// Bytes it holds in memory now, lazily built structures included, and parts of a compound, each once.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
+        let Form::Compound(compound) = &self.form else { return self.own_bytes() };
+        let parts = distinct(compound.parts().iter().map(|part| &part.geometry));
+        self.own_bytes() + parts.into_iter().map(|part| part.own_bytes()).sum::<u64>()
+    }
+
+    /// The same without the parts of a compound: what several geometries hold together is the sum over all that are
+    /// [`distinct`].
+    #[must_use]
+    pub fn own_bytes(&self) -> u64 {
         let shared = match &self.form {
             Form::Mesh(mesh) => mesh.memory_bytes(),
-            Form::Compound(compound) => compound.memory_bytes(),
+            Form::Compound(compound) => compound.own_bytes(),
             Form::HalfSpace(_) => 0,
             Form::Convex(convex) => match &convex.core {
                 Core::Hull(hull) => hull.memory_bytes(),

@@ -23,7 +23,7 @@ mod solid;
 mod topology;
 
 pub use adjacency::Adjacency;
-pub use compound::{Compound, Part};
+pub use compound::{Compound, Part, distinct};
 pub use convex::{Convex, Core};
 pub use geometry::{Form, Geometry, GeometryId};
 pub use half_space::HalfSpace;

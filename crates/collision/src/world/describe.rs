@@ -1,12 +1,12 @@
 //! What a version of a world holds, what was built for it, and what that costs.
 
-use std::{collections::HashSet, sync::Arc};
+use std::sync::Arc;
 
 use super::{Settings, Snapshot, Tick, Time};
 use crate::{
     broad::StaticTree,
     math::Aabb,
-    shape::{Form, Geometry},
+    shape::{Form, Geometry, distinct},
 };
 
 /// What a version holds, what was built for it and what that costs.
@@ -68,10 +68,9 @@ impl Snapshot {
                 moving_boxes.push(entry.bounds);
             }
         }
-        geometries.sort_unstable_by_key(|geometry| Arc::as_ptr(geometry));
-        geometries.dedup_by_key(|geometry| Arc::as_ptr(geometry));
         let trees = self.structures();
-        let geometry_bytes: u64 = geometries.iter().map(|geometry| geometry.memory_bytes()).sum();
+        let geometries = distinct(geometries);
+        let geometry_bytes: u64 = geometries.iter().map(|geometry| geometry.own_bytes()).sum();
         let tree_bytes: u64 = trees.iter().map(|structure| structure.memory_bytes).sum();
         let built = trees.into_iter().chain(built_in(&geometries)).collect();
         Description {
@@ -136,20 +135,13 @@ impl Snapshot {
     }
 }
 
-/// What geometries and the parts of compounds were needed to build so far; its memory is that of the geometries.
+/// What geometries were needed to build so far; its memory is that of the geometries.
 fn built_in(geometries: &[&Arc<Geometry>]) -> impl Iterator<Item = BuiltStructure> {
-    let (mut seen, mut open) = (HashSet::new(), geometries.to_vec());
     let (mut meshes, mut compounds) = (Sum::of("mesh_tree"), Sum::of("compound_tree"));
-    while let Some(geometry) = open.pop() {
-        if !seen.insert(Arc::as_ptr(geometry)) {
-            continue;
-        }
+    for geometry in geometries {
         match geometry.form() {
             Form::Mesh(mesh) => meshes.add(mesh.built_tree().map(StaticTree::memory_bytes)),
-            Form::Compound(compound) => {
-                compounds.add(compound.built_tree().map(StaticTree::memory_bytes));
-                open.extend(compound.parts().iter().map(|part| &part.geometry));
-            }
+            Form::Compound(compound) => compounds.add(compound.built_tree().map(StaticTree::memory_bytes)),
             Form::Convex(_) | Form::HalfSpace(_) => {}
         }
     }
