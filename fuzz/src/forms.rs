@@ -30,7 +30,7 @@ impl Made {
     pub fn convex(&self) -> Option<&Convex> {
         match self.geometry.form() {
             Form::Convex(convex) => Some(convex),
-            Form::Mesh(_) | Form::HalfSpace(_) | Form::Compound(_) => None,
+            Form::Mesh(_) | Form::HalfSpace(_) | Form::Compound(_) | Form::HeightField(_) => None,
         }
     }
 

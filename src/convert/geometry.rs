@@ -9,7 +9,7 @@ use collision::{
 use wire::v1::{self as pb, geometry::Kind};
 
 use super::{
-    compound,
+    compound, height_field,
     number::unknown_enum,
     place::{aabb_out, column_number},
 };
@@ -83,7 +83,7 @@ fn bare(sent: &pb::Geometry) -> Checked<Geometry> {
             "kind",
             Reason::Missing,
             "is absent: a geometry is a point, sphere, box, capsule, cylinder, cone, ellipsoid, hull, half_space, mesh, \
-             compound or geometry_id, such as {\"sphere\": {\"radius\": 1}}",
+             height_field, compound or geometry_id, such as {\"sphere\": {\"radius\": 1}}",
         )),
         Some(Kind::Point(pb::Point {})) => Ok(Geometry::point()),
         Some(Kind::Sphere(sphere)) => made("sphere", Geometry::sphere(sphere.radius)),
@@ -101,7 +101,7 @@ fn bare(sent: &pb::Geometry) -> Checked<Geometry> {
             made("hull", Geometry::hull(&points))
         }
         Some(Kind::Mesh(mesh)) => triangles(mesh).under("mesh"),
-        Some(Kind::HeightField(_)) => Err(not_yet("height_field", "place a mesh of two triangles for each cell")),
+        Some(Kind::HeightField(field)) => height_field::read(field).under("height_field"),
         Some(Kind::Compound(_) | Kind::GeometryId(_)) => {
             Err(Problem::at("kind", Reason::BadGeometry, "is made of other geometries"))
         }
@@ -207,11 +207,11 @@ pub(crate) fn is_half_space(geometry: &Geometry) -> bool {
     matches!(geometry.form(), Form::HalfSpace(_))
 }
 
-/// A geometry as a shape's: simple forms in place, hulls, meshes and compounds by id.
+/// A geometry as a shape's: simple forms in place, others by id.
 pub(crate) fn geometry_out(geometry: &Geometry) -> pb::Geometry {
     let (kind, rounding) = match geometry.form() {
         Form::Convex(convex) => convex_out(convex).unwrap_or_else(|| (by_id(geometry), 0.0)),
-        Form::Mesh(_) | Form::Compound(_) => (by_id(geometry), 0.0),
+        Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) => (by_id(geometry), 0.0),
         Form::HalfSpace(space) => (half_space_out(space), 0.0),
     };
     pb::Geometry { kind: Some(kind), rounding, scale: None }
@@ -283,6 +283,7 @@ fn counts(geometry: &Geometry) -> Counts {
     match geometry.form() {
         Form::Convex(convex) => of(convex_vertex_count(&convex.core), 0),
         Form::Mesh(mesh) => of(mesh.vertices().len(), mesh.triangles().len()),
+        Form::HeightField(field) => of(field.heights().len(), field.cell_count() - field.holes().len()),
         Form::HalfSpace(_) => Counts::default(),
         Form::Compound(compound) => {
             compound.parts().iter().map(|part| counts(&part.geometry)).fold(Counts::default(), |sum, part| Counts {

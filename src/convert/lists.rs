@@ -2,45 +2,51 @@
 
 use std::ops::Range;
 
-use collision::shape::{Compound, Convex, Core, Form, Geometry, Hull, Mesh, Part};
+use collision::shape::{Compound, Convex, Core, Form, Geometry, HeightField, Hull, Mesh, Part};
 use wire::v1::{self as pb, geometry::Kind};
 
-use super::{geometry::geometry_out, place::pose_out};
+use super::{geometry::geometry_out, height_field, place::pose_out};
 
 /// How many numbers there are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lists {
-    /// Coordinates.
+    /// Coordinates or heights.
     pub(crate) value_count: usize,
-    /// Indices.
+    /// Indices or holes.
     pub(crate) index_count: usize,
 }
 
 impl Lists {
     /// The lists of a geometry; those of a kind that one message holds are empty.
     pub(crate) fn of(geometry: &Geometry) -> Self {
-        let (value_count, index_count) = match (hull_of(geometry), mesh_of(geometry)) {
-            (Some(hull), _) => (3 * hull.vertices().len(), 0),
-            (None, Some(mesh)) => (3 * mesh.vertices().len(), 3 * mesh.sent_count()),
-            (None, None) => (0, 0),
+        let (value_count, index_count) = match Long::of(geometry) {
+            Some(Long::Hull(hull)) => (3 * hull.vertices().len(), 0),
+            Some(Long::Mesh(mesh)) => (3 * mesh.vertices().len(), 3 * mesh.sent_count()),
+            Some(Long::Field(field)) => (field.heights().len(), field.holes().len()),
+            None => (0, 0),
         };
         Self { value_count, index_count }
     }
 
-    /// Some of the coordinates, rounded to single precision: those that were sent are back as they came.
+    /// Some of the coordinates or heights, rounded to single precision: those that were sent are back as they came.
     pub(crate) fn values(self, geometry: &Geometry, range: Range<usize>) -> Vec<f32> {
-        let points = match (hull_of(geometry), mesh_of(geometry)) {
-            (Some(hull), _) => hull.vertices(),
-            (None, Some(mesh)) => mesh.vertices(),
-            (None, None) => &[],
+        let points = match Long::of(geometry) {
+            Some(Long::Hull(hull)) => hull.vertices(),
+            Some(Long::Mesh(mesh)) => mesh.vertices(),
+            Some(Long::Field(field)) => return field.heights()[range].to_vec(),
+            None => &[],
         };
         range.map(|number| points[number / 3][number % 3] as f32).collect()
     }
 
-    /// Some of the indices. Triangles that were left out are back as three times the first vertex, so that the others keep
+    /// Some of the indices or holes. Triangles that were left out are back as three times the first vertex, so that the others keep
     /// the numbers they were sent with.
     pub(crate) fn indices(self, geometry: &Geometry, range: Range<usize>) -> Vec<u32> {
-        let Some(mesh) = mesh_of(geometry) else { return Vec::new() };
+        let mesh = match Long::of(geometry) {
+            Some(Long::Mesh(mesh)) => mesh,
+            Some(Long::Field(field)) => return field.holes()[range].to_vec(),
+            Some(Long::Hull(_)) | None => return Vec::new(),
+        };
         let corner = |number: usize| {
             let kept = u32::try_from(number / 3).ok().and_then(|sent| mesh.kept_number(sent));
             kept.map_or(0, |kept| mesh.triangles()[kept][number % 3])
@@ -59,6 +65,10 @@ pub(crate) fn header_out(geometry: &Geometry, lists: Lists) -> pb::GeometryHeade
         Form::Mesh(_) => {
             let mode = pb::MeshMode::TwoSided.into();
             let kind = Some(Kind::Mesh(pb::TriangleMesh { mode, ..pb::TriangleMesh::default() }));
+            pb::Geometry { kind, ..pb::Geometry::default() }
+        }
+        Form::HeightField(field) => {
+            let kind = Some(Kind::HeightField(height_field::header_out(field)));
             pb::Geometry { kind, ..pb::Geometry::default() }
         }
         Form::Compound(compound) => whole_compound(compound),
@@ -89,21 +99,29 @@ fn whole(geometry: &Geometry) -> pb::Geometry {
             mesh.vertices = lists.values(geometry, 0..lists.value_count);
             mesh.indices = lists.indices(geometry, 0..lists.index_count);
         }
+        Some(Kind::HeightField(field)) => {
+            field.heights = lists.values(geometry, 0..lists.value_count);
+            field.holes = lists.indices(geometry, 0..lists.index_count);
+        }
         Some(_) | None => {}
     }
     form
 }
 
-fn hull_of(geometry: &Geometry) -> Option<&Hull> {
-    match geometry.form() {
-        Form::Convex(Convex { core: Core::Hull(hull), .. }) => Some(hull),
-        Form::Convex(_) | Form::Mesh(_) | Form::HalfSpace(_) | Form::Compound(_) => None,
-    }
+/// What has long lists.
+enum Long<'a> {
+    Hull(&'a Hull),
+    Mesh(&'a Mesh),
+    Field(&'a HeightField),
 }
 
-fn mesh_of(geometry: &Geometry) -> Option<&Mesh> {
-    match geometry.form() {
-        Form::Mesh(mesh) => Some(mesh),
-        Form::Convex(_) | Form::HalfSpace(_) | Form::Compound(_) => None,
+impl<'a> Long<'a> {
+    fn of(geometry: &'a Geometry) -> Option<Self> {
+        match geometry.form() {
+            Form::Convex(Convex { core: Core::Hull(hull), .. }) => Some(Self::Hull(hull)),
+            Form::Mesh(mesh) => Some(Self::Mesh(mesh)),
+            Form::HeightField(field) => Some(Self::Field(field)),
+            Form::Convex(_) | Form::HalfSpace(_) | Form::Compound(_) => None,
+        }
     }
 }

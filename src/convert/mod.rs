@@ -10,6 +10,7 @@ pub(crate) mod columns;
 mod compound;
 pub(crate) mod edit;
 pub(crate) mod geometry;
+mod height_field;
 pub(crate) mod hit_columns;
 pub(crate) mod lists;
 pub(crate) mod number;

@@ -68,6 +68,10 @@ fn wrong_round_forms_and_half_spaces() -> Vec<(pb::Geometry, Refusal)> {
     ]
 }
 
+fn flat() -> pb::HeightField {
+    pb::HeightField { columns: 3, rows: 2, heights: vec![0.0; 6], ..pb::HeightField::default() }
+}
+
 fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
     let triangle = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     vec![
@@ -89,7 +93,33 @@ fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
         ),
         (pb::Geometry { scale: Some(0.0), ..sphere(1.0) }, ("OUT_OF_LIMITS", "geometry.scale", &["above 0"])),
         (geometry(Kind::GeometryId("beef".to_owned())), ("GEOMETRY_NOT_FOUND", "geometry.geometry_id", &["\"beef\""])),
-        (geometry(Kind::HeightField(pb::HeightField::default())), ("NOT_YET", "geometry.height_field", &["meanwhile"])),
+        (
+            geometry(Kind::HeightField(pb::HeightField::default())),
+            ("BAD_GEOMETRY", "geometry.height_field.columns", &["is 0", "2 samples"]),
+        ),
+        (
+            geometry(Kind::HeightField(pb::HeightField { heights: vec![0.0; 5], ..flat() })),
+            ("COLUMN_LENGTH", "geometry.height_field.heights", &["5 numbers", "3 columns of 2 rows need 6"]),
+        ),
+        (
+            geometry(Kind::HeightField(pb::HeightField {
+                heights: [[0.0; 5].as_slice(), &[f32::NAN]].concat(),
+                ..flat()
+            })),
+            ("NOT_FINITE", "geometry.height_field.heights[5]", &["NaN"]),
+        ),
+        (
+            geometry(Kind::HeightField(pb::HeightField { holes: vec![0, 2], ..flat() })),
+            ("BAD_GEOMETRY", "geometry.height_field.holes[1]", &["is 2", "2 cells"]),
+        ),
+        (
+            geometry(Kind::HeightField(pb::HeightField { spacing: Some(vec3(1.0, 0.0, 1.0)), ..flat() })),
+            ("OUT_OF_LIMITS", "geometry.height_field.spacing.y", &["is 0"]),
+        ),
+        (
+            pb::Geometry { rounding: 0.5, ..geometry(Kind::HeightField(flat())) },
+            ("BAD_GEOMETRY", "geometry.rounding", &["height field"]),
+        ),
     ]
 }
 

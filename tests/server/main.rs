@@ -15,6 +15,7 @@ mod forks;
 mod forms;
 mod geometries;
 mod harness;
+mod height_fields;
 mod later;
 mod pairs;
 mod port;

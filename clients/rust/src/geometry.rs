@@ -76,6 +76,31 @@ pub fn mesh(
     }))
 }
 
+/// A terrain: heights along y over a grid in x and z that begins at the local origin, row by row, each row `columns` long.
+/// `spacing` is the distance of samples along x and z and the factor on heights. Matter is below; cells are left open with
+/// [`with_holes`].
+///
+/// ```
+/// use calipers_client::geometry;
+/// let step = geometry::height_field(2, [0.0, 1.0, 0.0, 1.0, 0.0, 2.0], [0.5, 1.0, 0.5]);
+/// # let Some(calipers_client::proto::geometry::Kind::HeightField(field)) = step.kind else { panic!() };
+/// # assert_eq!((field.columns, field.rows), (2, 3));
+/// ```
+pub fn height_field(columns: u32, heights: impl IntoIterator<Item = f32>, spacing: [f64; 3]) -> proto::Geometry {
+    let heights: Vec<f32> = heights.into_iter().collect();
+    let rows = u32::try_from(heights.len() / columns.max(1) as usize).unwrap_or(u32::MAX);
+    let spacing = Some(vec3(spacing));
+    of(Kind::HeightField(proto::HeightField { columns, rows, heights, spacing, holes: Vec::new() }))
+}
+
+/// The same terrain with cells left open, each `row * (columns - 1) + column`; other forms stay as they are.
+pub fn with_holes(mut geometry: proto::Geometry, holes: impl IntoIterator<Item = u32>) -> proto::Geometry {
+    if let Some(Kind::HeightField(field)) = &mut geometry.kind {
+        field.holes = holes.into_iter().collect();
+    }
+    geometry
+}
+
 /// Several geometries as one, each at a pose in the frame of the whole.
 ///
 /// ```

@@ -180,6 +180,12 @@ pub const RELATIVE_POSE: f64 = 512.0 * ROUNDING;
 /// `compounds.rs`, rays.
 pub const PART_LEAN: f64 = 2048.0 * ROUNDING;
 
+/// How far the height of a height field's surface at a point may be from the exact one, and the place of the point from
+/// the computed one, as a part of all coordinates that take part: a sample's place has one rounding, a share along the cell
+/// four, a height on a triangle eight more; twice that is taken. Larger: more points close to the surface are open. Smaller: a
+/// point might be said to be in it that is not. Test: `concave/fields.rs`.
+pub const STANDING: f64 = 32.0 * ROUNDING;
+
 /// How far corners of one triangle may differ in height along its normal, and how far a point must lie above a plane to
 /// see it, while a polytope expands: 16 roundings, since three products and two sums of values below 2 are off by at most 8,
 /// and the normal by as much again. Smaller, and planes that are one in truth are split by rounding into slivers; larger,

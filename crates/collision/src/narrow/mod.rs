@@ -42,7 +42,7 @@ impl<'a> Placed<'a> {
     fn as_convex(&self) -> Option<PlacedConvex<'a>> {
         match self.geometry.form() {
             Form::Convex(convex) => Some(PlacedConvex::new(convex, self.pose)),
-            Form::Mesh(_) | Form::Compound(_) | Form::HalfSpace(_) => None,
+            Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) | Form::HalfSpace(_) => None,
         }
     }
 }

@@ -18,6 +18,7 @@ pub(super) fn local_bounds(form: &Form) -> Aabb {
         Form::Convex(convex) => convex.local_bounds(),
         Form::HalfSpace(half_space) => half_space.bounds(&Pose::IDENTITY),
         Form::Compound(compound) => compound.bounds(),
+        Form::HeightField(field) => field.bounds(),
     }
 }
 
@@ -28,6 +29,7 @@ pub(super) fn reach(form: &Form) -> f64 {
         Form::Convex(convex) => convex.reach(),
         Form::HalfSpace(_) => length_up(DVec3::splat(Limits::HALF_SPACE_BOX)),
         Form::Compound(compound) => compound.reach(),
+        Form::HeightField(field) => length_up(field.bounds().min.abs().max(field.bounds().max.abs())),
     }
 }
 

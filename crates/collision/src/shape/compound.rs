@@ -68,7 +68,7 @@ impl Compound {
             let (leaf_count, depth, has_surface) = match part.geometry.form() {
                 Form::Compound(inner) => (inner.leaf_count, inner.depth + 1, inner.has_surface),
                 Form::Mesh(_) => (1, 1, true),
-                Form::Convex(_) | Form::HalfSpace(_) => (1, 1, false),
+                Form::Convex(_) | Form::HeightField(_) | Form::HalfSpace(_) => (1, 1, false),
             };
             if depth > Limits::COMPOUND_DEPTH {
                 return Err(GeometryError::Bad {

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use super::{
-    Compound, Convex, Core, HalfSpace, Hull, Mesh,
+    Compound, Convex, Core, HalfSpace, HeightField, Hull, Mesh,
     bounds::{local_bounds, placed_bounds, reach},
     compound::distinct,
     identity::content_hash,
@@ -31,6 +31,8 @@ pub enum Form {
     HalfSpace(HalfSpace),
     /// Several geometries as one.
     Compound(Arc<Compound>),
+    /// A terrain over a grid, with matter below.
+    HeightField(Arc<HeightField>),
 }
 
 /// An immutable form in its own local frame. Cheap to clone. Its fields are in this order in memory, those first that
@@ -199,10 +201,10 @@ impl Geometry {
         let allowed = "0 or from 1e-9 to 1e9 metres, the form's own radius included";
         check_size_or_zero(|| "rounding".into(), rounding, allowed)?;
         match self.form {
-            Form::Mesh(_) | Form::Compound(_) if rounding == 0.0 => Ok(self),
-            Form::Mesh(_) | Form::Compound(_) => Err(GeometryError::Bad {
+            Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) if rounding == 0.0 => Ok(self),
+            Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) => Err(GeometryError::Bad {
                 field: "rounding".into(),
-                reason: "is above 0: a mesh or compound takes none, only convex forms do".into(),
+                reason: "is above 0: a mesh, compound or height field takes none, only convex forms do".into(),
             }),
             Form::HalfSpace(half_space) => Ok(Self::of(Form::HalfSpace(half_space.grown(rounding)?))),
             Form::Convex(Convex { core, radius }) => {
@@ -236,6 +238,7 @@ impl Geometry {
             Form::Mesh(mesh) => return Self::of_mesh(mesh.scaled(scale), "scale"),
             Form::HalfSpace(half_space) => return Ok(Self::of(Form::HalfSpace(half_space.scaled(scale)?))),
             Form::Compound(compound) => return Self::of_compound(compound.scaled(scale)?, "scale"),
+            Form::HeightField(field) => return field.scaled(scale),
             Form::Convex(Convex { core, radius }) => (core, size(radius)?),
         };
         let core = match core {
@@ -267,7 +270,7 @@ impl Geometry {
     /// The hash of its content, computed when first asked: blake3 over the kind and its numbers as little-endian f64
     /// (−0 as +0). A hull counts by its distinct points in the order sent; a mesh by its distinct vertices in the order
     /// of their first use and its kept triangles with the numbers they were sent with; a compound by the ids and poses of its
-    /// parts.
+    /// parts; a height field by what was sent, its holes in order.
     #[must_use]
     pub fn id(&self) -> GeometryId {
         *self.id.get_or_init(|| content_hash(&self.form))
@@ -313,6 +316,7 @@ impl Geometry {
         let shared = match &self.form {
             Form::Mesh(mesh) => mesh.memory_bytes(),
             Form::Compound(compound) => compound.own_bytes(),
+            Form::HeightField(field) => field.memory_bytes(),
             Form::HalfSpace(_) => 0,
             Form::Convex(convex) => match &convex.core {
                 Core::Hull(hull) => hull.memory_bytes(),

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Compound, Convex, Core, Form, GeometryId, HalfSpace, Mesh};
+use super::{Compound, Convex, Core, Form, GeometryId, HalfSpace, HeightField, Mesh};
 
 /// Names the byte form below; another layout takes another name, so that ids of the two never meet.
 const LAYOUT: &[u8] = b"calipers geometry 1";
@@ -15,6 +15,7 @@ pub(super) fn content_hash(form: &Form) -> GeometryId {
         Form::Mesh(mesh) => content.mesh(mesh),
         Form::HalfSpace(half_space) => content.half_space(half_space),
         Form::Compound(compound) => content.compound(compound),
+        Form::HeightField(field) => content.height_field(field),
     }
     GeometryId(*content.0.finalize().as_bytes())
 }
@@ -87,6 +88,21 @@ impl Content {
             self.0.update(&part.geometry.id().0);
             self.point(part.pose.position);
             part.pose.rotation.to_array().into_iter().for_each(|value| self.number(value));
+        }
+    }
+
+    /// Heights count as they were sent, with the spacing that they are multiplied by.
+    fn height_field(&mut self, field: &HeightField) {
+        self.kind(11);
+        self.count(field.columns());
+        self.count(field.rows());
+        self.point(field.spacing());
+        for height in field.heights() {
+            self.0.update(&(height + 0.0).to_le_bytes());
+        }
+        self.count(field.holes().len());
+        for hole in field.holes() {
+            self.0.update(&hole.to_le_bytes());
         }
     }
 

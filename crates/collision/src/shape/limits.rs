@@ -22,6 +22,8 @@ impl Limits {
     pub const HULL_POINTS: usize = 65_536;
     /// Most triangles of a mesh.
     pub const MESH_TRIANGLES: usize = 4_000_000;
+    /// Most samples of a height field.
+    pub const HEIGHT_FIELD_SAMPLES: usize = 33_554_432;
     /// Most parts of a compound, those of compounds in it counted one by one.
     pub const COMPOUND_PARTS: usize = 65_536;
     /// Most compounds in each other.

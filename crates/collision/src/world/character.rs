@@ -130,7 +130,7 @@ impl Snapshot {
         match geometry.form() {
             Form::Convex(_) => Ok((geometry, pose, filter)),
             Form::HalfSpace(_) => Err(QuestionError::SubjectUnbounded(id)),
-            Form::Mesh(_) | Form::Compound(_) => Err(QuestionError::SubjectNotConvex(id)),
+            Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) => Err(QuestionError::SubjectNotConvex(id)),
         }
     }
 }

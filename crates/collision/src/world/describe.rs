@@ -137,15 +137,16 @@ impl Snapshot {
 
 /// What geometries were needed to build so far; its memory is that of the geometries.
 fn built_in(geometries: &[&Arc<Geometry>]) -> impl Iterator<Item = BuiltStructure> {
-    let (mut meshes, mut compounds) = (Sum::of("mesh_tree"), Sum::of("compound_tree"));
+    let [mut meshes, mut compounds, mut fields] = ["mesh_tree", "compound_tree", "height_pyramid"].map(Sum::of);
     for geometry in geometries {
         match geometry.form() {
             Form::Mesh(mesh) => meshes.add(mesh.built_tree().map(StaticTree::memory_bytes)),
             Form::Compound(compound) => compounds.add(compound.built_tree().map(StaticTree::memory_bytes)),
+            Form::HeightField(field) => fields.add(field.built_bytes()),
             Form::Convex(_) | Form::HalfSpace(_) => {}
         }
     }
-    [meshes, compounds].into_iter().map(|sum| sum.0).filter(|structure| structure.count > 0)
+    [meshes, compounds, fields].into_iter().map(|sum| sum.0).filter(|structure| structure.count > 0)
 }
 
 /// All structures of one kind.

@@ -51,12 +51,16 @@ impl Outline {
                 let radius = geometry.reach() * tolerance::LENGTH_WIDENING;
                 Within::Ball { center: pose.position, radius_sq: radius * radius * tolerance::LENGTH_WIDENING }
             }
-            Form::Convex(_) | Form::Mesh(_) | Form::Compound(_) if pose.rotation.xyz() != DVec3::ZERO => {
+            Form::Convex(_) | Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_)
+                if pose.rotation.xyz() != DVec3::ZERO =>
+            {
                 let Aabb { min, max } = geometry.local_bounds();
                 let magnitude = pose.position.abs().element_sum() + min.abs().max(max.abs()).element_sum();
                 Within::Turned { position: pose.position, axes: pose.matrix(), low: min, high: max, magnitude }
             }
-            Form::Convex(_) | Form::Mesh(_) | Form::Compound(_) | Form::HalfSpace(_) => Within::Bounds,
+            Form::Convex(_) | Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) | Form::HalfSpace(_) => {
+                Within::Bounds
+            }
         };
         Self { bounds: subject.bounds, within }
     }

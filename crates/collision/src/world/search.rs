@@ -71,7 +71,7 @@ impl Snapshot {
         let side = self.side(subject).map_err(QuestionError::SubjectNotFound)?;
         match side.placed.geometry.form() {
             Form::HalfSpace(_) => Err(QuestionError::SubjectUnbounded(side.id())),
-            Form::Convex(_) | Form::Mesh(_) | Form::Compound(_) => Ok(side),
+            Form::Convex(_) | Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) => Ok(side),
         }
     }
 

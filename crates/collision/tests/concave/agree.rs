@@ -82,10 +82,15 @@ fn meet(a: Bound, b: Bound) -> bool {
 impl Twins<'_> {
     /// Every question but rays; the asker goes and turns as said.
     pub(crate) fn check(&self, motion: &Motion, tally: &mut Tally, context: &dyn Fn() -> String) {
+        self.check_contacts(tally, context);
+        self.check_but_contacts(motion, tally, context);
+    }
+
+    /// Every question but rays and contacts.
+    pub(crate) fn check_but_contacts(&self, motion: &Motion, tally: &mut Tally, context: &dyn Fn() -> String) {
         tally.asked += 1;
         self.check_overlap(tally, context);
         self.check_distance(tally, context);
-        self.check_contacts(tally, context);
         let linear = Motion { rotation_a: DVec3::ZERO, rotation_b: DVec3::ZERO, ..*motion };
         if self.check_impact(&linear, context) {
             tally.impacts += 1;

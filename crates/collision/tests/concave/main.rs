@@ -3,5 +3,7 @@
 mod agree;
 mod compounds;
 mod exact;
+mod fields;
+mod terrain;
 #[path = "../whole/mod.rs"]
 mod whole;

@@ -4,11 +4,11 @@ use super::{Above, Body, Low, Signed};
 use crate::{
     answer::{Bound, Feature, Stop, Verdict, Work},
     narrow::{Contact, ContactPoint, Contacts, convex},
-    shape::{Convex, Core, Mesh},
+    shape::{Convex, Core},
 };
 
 impl Above<'_> {
-    /// The contact of a convex form, or those of the triangles of a mesh in the order of their numbers, unless the gap is
+    /// The contact of a convex form, or those of the triangles of another in the order of their numbers, unless the gap is
     /// proved to be above `max_gap`.
     pub(super) fn contacts(&self, max_gap: f64, work: &mut Work) -> Contacts {
         match self.body {
@@ -16,21 +16,20 @@ impl Above<'_> {
                 super::count(work);
                 self.contact(convex, &self.lowest(), max_gap).into_iter().collect()
             }
-            Body::Mesh(mesh) => self.contacts_of_triangles(mesh, max_gap, work),
+            Body::Mesh(_) | Body::Field(_) => self.contacts_of_triangles(max_gap, work),
         }
     }
 
-    fn contacts_of_triangles(&self, mesh: &Mesh, max_gap: f64, work: &mut Work) -> Contacts {
+    fn contacts_of_triangles(&self, max_gap: f64, work: &mut Work) -> Contacts {
         let mut contacts = Contacts::new();
-        for triangle in 0..mesh.triangles().len() {
+        self.body.each_triangle(|face, corners| {
             super::count(work);
-            let corners = mesh.corners(triangle);
             let [a, b, c] = corners.map(|corner| self.normal.dot(corner));
             let point = corners[if a <= b && a <= c { 0 } else { 1 + usize::from(c < b) }];
-            let feature = Feature { part: None, face: Some(mesh.sent_number(triangle)) };
+            let feature = Feature { part: None, face: Some(face) };
             let piece = Convex { core: Core::Triangle(corners), radius: 0.0 };
             contacts.extend(self.contact(&piece, &Low { point, radius: 0.0, feature }, max_gap));
-        }
+        });
         contacts.sort_by_key(|contact| contact.feature_a.face);
         contacts
     }

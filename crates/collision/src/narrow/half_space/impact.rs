@@ -15,7 +15,6 @@ use super::{
 use crate::{
     answer::{Bound, Feature, Stop, Verdict},
     narrow::{ImpactTouch, InitialTouch},
-    shape::Mesh,
     tolerance::{ROUNDING, STEP_SHORTENING},
 };
 
@@ -36,7 +35,7 @@ impl Above<'_> {
             return match self.body {
                 // Convex pieces that leave a plane do not come back.
                 Body::Convex(_) => None,
-                Body::Mesh(mesh) => self.impact_of_clear_triangles(mesh, ways),
+                Body::Mesh(_) | Body::Field(_) => self.impact_of_clear_triangles(ways),
             };
         }
         let at_end = || self.exact_sign(self.body, &low, ways);
@@ -44,13 +43,12 @@ impl Above<'_> {
     }
 
     /// The first touch of those triangles that are clear of the half space at the start.
-    fn impact_of_clear_triangles(&self, mesh: &Mesh, ways: [DVec3; 2]) -> Option<ImpactTouch> {
-        let is_clear = |triangle: usize| {
-            let lowest =
-                mesh.corners(triangle).map(|corner| self.height(corner, 0.0)).into_iter().fold(f64::MAX, f64::min);
+    fn impact_of_clear_triangles(&self, ways: [DVec3; 2]) -> Option<ImpactTouch> {
+        let is_clear = |corners: [DVec3; 3]| {
+            let lowest = corners.map(|corner| self.height(corner, 0.0)).into_iter().fold(f64::MAX, f64::min);
             lowest > self.error_at(lowest)
         };
-        let low = self.lowest_of_triangles(mesh, is_clear)?;
+        let low = self.lowest_of_triangles(is_clear)?;
         let best = self.height(low.point, 0.0);
         let error = self.error_at(best);
         let start = Signed::new(best - error, best, best + error);

@@ -8,7 +8,7 @@
 //! is not turned ([`exact`]).
 //!
 //! # Limits
-//! A mesh is a surface: its height is that of its lowest vertex, and only its triangles have contacts. Two half spaces
+//! Of meshes and height fields the height is that of the lowest corner, and only triangles have contacts. Two half spaces
 //! always overlap unless their normals are exactly opposite, which is proved for equal rotations only ([`spaces`]).
 
 mod contact;
@@ -32,7 +32,7 @@ use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
     math::{Pose, twofold::Twofold},
-    shape::{Convex, Form, HalfSpace, Mesh},
+    shape::{Convex, Form, HalfSpace, HeightField, Mesh},
     tolerance::{LOWEST_POINT, ROUNDING, TURNED_LOWEST_POINT},
 };
 
@@ -59,7 +59,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// A convex form or a mesh at a place, and a half space, which is `b`.
+    /// A form at a place that is no compound, and a half space, which is `b`.
     pub(super) fn of_leaf(
         body: Body<'a>,
         (place, reach): (&Place, f64),
@@ -102,10 +102,10 @@ impl<'a> Pair<'a> {
         Certificate { verdict, ..found }
     }
 
-    /// As [`super::depth`]: `None` for meshes.
+    /// As [`super::depth`]: `None` for concave forms.
     pub(super) fn depth(&self, max_gap: f64, work: &mut Work) -> Option<Depth> {
         if let Self::Above(above) | Self::Below(above) = self
-            && matches!(above.body, Body::Mesh(_))
+            && !matches!(above.body, Body::Convex(_))
         {
             return None;
         }
@@ -176,6 +176,19 @@ fn count(work: &mut Work) {
 pub(super) enum Body<'a> {
     Convex(&'a Convex),
     Mesh(&'a Mesh),
+    Field(&'a HeightField),
+}
+
+impl Body<'_> {
+    /// Calls `visit` with the face number and the corners of each triangle, in a fixed order; a convex form has none.
+    fn each_triangle(self, mut visit: impl FnMut(u32, [DVec3; 3])) {
+        match self {
+            Body::Convex(_) => {}
+            Body::Mesh(mesh) => (0..mesh.triangles().len())
+                .for_each(|triangle| visit(mesh.sent_number(triangle), mesh.corners(triangle))),
+            Body::Field(field) => field.each_triangle(|cell, corners| visit(cell as u32, corners)),
+        }
+    }
 }
 
 /// A form and the plane of a half space, which is called `b` in answers.
@@ -223,6 +236,7 @@ impl<'a> Above<'a> {
         let body = match placed.geometry.form() {
             Form::Convex(convex) => Body::Convex(convex),
             Form::Mesh(mesh) => Body::Mesh(mesh),
+            Form::HeightField(field) => Body::Field(field),
             Form::HalfSpace(_) | Form::Compound(_) => return None,
         };
         Some(Self::of(body, placed.geometry.reach(), &Place::of(placed.pose), half_space, space_pose))
@@ -248,7 +262,7 @@ impl<'a> Above<'a> {
                 let point = convex::lowest(convex, self.normal);
                 Low { point, radius: convex.radius, feature: Feature::default() }
             }
-            Body::Mesh(mesh) => self.lowest_of_triangles(mesh, |_| true).unwrap_or(Low {
+            Body::Mesh(_) | Body::Field(_) => self.lowest_of_triangles(|_| true).unwrap_or(Low {
                 point: DVec3::ZERO,
                 radius: 0.0,
                 feature: Feature::default(),
@@ -256,20 +270,19 @@ impl<'a> Above<'a> {
         }
     }
 
-    /// The lowest corner of those triangles of a mesh that `counts` accepts, by their numbers; of equals that of the least.
-    fn lowest_of_triangles(&self, mesh: &Mesh, counts: impl Fn(usize) -> bool) -> Option<Low> {
-        let mut best: Option<(f64, DVec3, usize)> = None;
-        for triangle in (0..mesh.triangles().len()).filter(|&triangle| counts(triangle)) {
-            for corner in mesh.corners(triangle) {
+    /// The lowest corner of those triangles that `counts` accepts, by their corners; of equals that of the first.
+    fn lowest_of_triangles(&self, counts: impl Fn([DVec3; 3]) -> bool) -> Option<Low> {
+        let mut best: Option<(f64, DVec3, u32)> = None;
+        self.body.each_triangle(|face, corners| {
+            for corner in corners {
                 let height = self.normal.dot(corner);
-                if best.is_none_or(|(least, ..)| height < least) {
-                    best = Some((height, corner, triangle));
+                if best.is_none_or(|(least, ..)| height < least) && counts(corners) {
+                    best = Some((height, corner, face));
                 }
             }
-        }
-        let (_, point, triangle) = best?;
-        let feature = Feature { part: None, face: Some(mesh.sent_number(triangle)) };
-        Some(Low { point, radius: 0.0, feature })
+        });
+        let (_, point, face) = best?;
+        Some(Low { point, radius: 0.0, feature: Feature { part: None, face: Some(face) } })
     }
 
     /// Height of a point of the core less the radius around it.
@@ -306,8 +319,13 @@ impl<'a> Above<'a> {
                 let is_at_origin = corners.iter().all(|&corner| corner == DVec3::ZERO);
                 (!is_turned || is_at_origin).then_some(corners)?
             }
-            Body::Mesh(_) if is_turned => return None,
+            Body::Mesh(_) | Body::Field(_) if is_turned => return None,
             Body::Mesh(mesh) => mesh.vertices().iter().copied().filter(|&vertex| near(vertex)).collect(),
+            Body::Field(_) => {
+                let mut corners = Vec::new();
+                body.each_triangle(|_, triangle| corners.extend(triangle.into_iter().filter(|&corner| near(corner))));
+                corners
+            }
         };
         let signs = corners.into_iter().map(|corner| exact.sign(self.pose.position, corner, low.radius, ways));
         signs.collect::<Option<Vec<Ordering>>>()?.into_iter().min()

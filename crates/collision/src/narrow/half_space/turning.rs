@@ -8,7 +8,7 @@
 //! above the parabola of that, as in `convex/motion.rs`.
 //!
 //! # Limits
-//! A start that is ignored is ignored triangle by triangle of a mesh, each of which is searched by itself. Two half spaces
+//! A start that is ignored is ignored triangle by triangle, each of which is searched by itself. Two half spaces
 //! of which one turns touch as soon as they are not parallel: what is not proved to touch at the start stays open.
 
 use glam::{DQuat, DVec3};
@@ -55,12 +55,12 @@ impl Above<'_> {
     /// The first touch in a motion of which at least one side turns.
     pub(super) fn turning_impact(&self, ways: Ways, accuracy: &Accuracy, work: &mut Work) -> Option<ImpactTouch> {
         match self.body {
-            Body::Mesh(mesh) if ways.initial == InitialTouch::IsIgnored => {
+            Body::Mesh(_) | Body::Field(_) if ways.initial == InitialTouch::IsIgnored => {
                 let mut first = First::default();
-                for triangle in 0..mesh.triangles().len() {
-                    let piece = Convex { core: Core::Triangle(mesh.corners(triangle)), radius: 0.0 };
+                self.body.each_triangle(|_, corners| {
+                    let piece = Convex { core: Core::Triangle(corners), radius: 0.0 };
                     first.offer(Search::new(self, Body::Convex(&piece), ways, accuracy).touch(accuracy, work));
-                }
+                });
                 first.merged()
             }
             body => Search::new(self, body, ways, accuracy).touch(accuracy, work),
@@ -74,7 +74,7 @@ impl<'a> Search<'a> {
         let (apart, way) = (above.pose.position - above.arm - above.space_pose.position, to - to_space);
         let (core, reach) = match body {
             Body::Convex(convex) => (convex.core.reach(), convex.core.reach() + convex.radius),
-            Body::Mesh(_) => (above.reach, above.reach),
+            Body::Mesh(_) | Body::Field(_) => (above.reach, above.reach),
         };
         let arm = above.arm.norm();
         let (core, reach) = (core + arm, reach + arm);

@@ -14,7 +14,7 @@ use crate::{
     broad::{ALL_LAYERS, Path, Tree},
     math::{Aabb, Pose},
     narrow::{half_space::Body, place::Place},
-    shape::{Compound, Convex, Core, Geometry, GeometryId, Mesh},
+    shape::{Compound, Convex, Core, Geometry, GeometryId, HeightField, Mesh, Standing},
     tolerance,
 };
 
@@ -35,10 +35,12 @@ enum Kind<'a> {
     Mesh(&'a Mesh),
     /// Other geometries.
     Compound(&'a Compound),
+    /// The skin of a body.
+    Field(&'a HeightField),
 }
 
 /// How two concave forms are put in order.
-type OrderKey = (usize, GeometryId, [u64; 7]);
+type OrderKey = (u8, usize, GeometryId, [u64; 7]);
 
 impl<'a> Concave<'a> {
     pub(super) fn mesh(mesh: &'a Mesh, geometry: &'a Geometry, place: Place, part: Option<u32>) -> Self {
@@ -49,6 +51,15 @@ impl<'a> Concave<'a> {
         Self { kind: Kind::Compound(compound), geometry, place, part }
     }
 
+    pub(super) fn height_field(
+        field: &'a HeightField,
+        geometry: &'a Geometry,
+        place: Place,
+        part: Option<u32>,
+    ) -> Self {
+        Self { kind: Kind::Field(field), geometry, place, part }
+    }
+
     pub(super) fn geometry(&self) -> &'a Geometry {
         self.geometry
     }
@@ -57,14 +68,37 @@ impl<'a> Concave<'a> {
         &self.place
     }
 
-    pub(super) fn is_compound(&self) -> bool {
-        matches!(self.kind, Kind::Compound(_))
+    /// Which of two is taken apart first: what has an inside is asked about pieces of the other.
+    pub(super) fn rank(&self) -> u8 {
+        match self.kind {
+            Kind::Compound(_) => 0,
+            Kind::Mesh(_) => 1,
+            Kind::Field(_) => 2,
+        }
+    }
+
+    /// Whether something may lie in it and touch none of its pieces.
+    pub(super) fn has_inside(&self) -> bool {
+        matches!(self.kind, Kind::Field(_))
+    }
+
+    /// How a point of another form, in that form's own frame, stands to what is inside of this one, and in which cell; `None`
+    /// if it is outside.
+    pub(super) fn standing_of(&self, other: &Side<'_>, local: DVec3) -> Option<(Standing, Option<u32>)> {
+        let Kind::Field(field) = self.kind else { return None };
+        let (relative, slack) = self.relative(other);
+        match field.standing(relative.transform_point(local), slack) {
+            Standing::Outside => None,
+            Standing::Inside(leaf) => Some((Standing::Inside(leaf), Some(HeightField::cell_of(leaf) as u32))),
+            Standing::Open(beyond) => Some((Standing::Open(beyond), None)),
+        }
     }
 
     /// What a half space is asked against; `None` for a compound.
     pub(super) fn body(&self) -> Option<Body<'a>> {
         match self.kind {
             Kind::Mesh(mesh) => Some(Body::Mesh(mesh)),
+            Kind::Field(field) => Some(Body::Field(field)),
             Kind::Compound(_) => None,
         }
     }
@@ -79,18 +113,20 @@ impl<'a> Concave<'a> {
         match self.kind {
             Kind::Mesh(_) => true,
             Kind::Compound(compound) => compound.has_surface(),
+            Kind::Field(_) => false,
         }
     }
 
-    /// Compounds go first: they are taken apart first.
+    /// What is taken apart first goes first.
     pub(super) fn order_key(&self) -> OrderKey {
         let count = match self.kind {
             Kind::Mesh(mesh) => mesh.triangles().len(),
-            Kind::Compound(_) => 0,
+            Kind::Compound(compound) => compound.parts().len(),
+            Kind::Field(field) => field.cell_count(),
         };
         let [x, y, z] = self.place.pose.position.to_array();
         let [i, j, k, w] = self.place.pose.rotation.to_array();
-        (count, self.geometry.id(), [x, y, z, i, j, k, w].map(f64::to_bits))
+        (self.rank(), count, self.geometry.id(), [x, y, z, i, j, k, w].map(f64::to_bits))
     }
 
     /// Visits the pieces whose boxes touch a box of its own frame (and maybe others), until the visitor breaks.
@@ -104,6 +140,7 @@ impl<'a> Concave<'a> {
         let Ok(()) = match self.kind {
             Kind::Mesh(mesh) => mesh.tree().visit_box(query, ALL_LAYERS, work, each),
             Kind::Compound(compound) => compound.tree().visit_box(query, ALL_LAYERS, work, each),
+            Kind::Field(field) => field.visit_box(query, ALL_LAYERS, work, each),
         };
     }
 
@@ -120,6 +157,7 @@ impl<'a> Concave<'a> {
         let Ok(()) = match self.kind {
             Kind::Mesh(mesh) => mesh.tree().visit_nearest(query, limit, ALL_LAYERS, work, each),
             Kind::Compound(compound) => compound.tree().visit_nearest(query, limit, ALL_LAYERS, work, each),
+            Kind::Field(field) => field.visit_nearest(query, limit, ALL_LAYERS, work, each),
         };
     }
 
@@ -144,17 +182,23 @@ impl<'a> Concave<'a> {
         let Ok(()) = match self.kind {
             Kind::Mesh(mesh) => mesh.tree().visit_ray(path, limit, ALL_LAYERS, work, each),
             Kind::Compound(compound) => compound.tree().visit_ray(path, limit, ALL_LAYERS, work, each),
+            Kind::Field(field) => field.visit_ray(path, limit, ALL_LAYERS, work, each),
         };
     }
 
     /// The piece of a leaf of its tree.
-    fn with_piece<Answer>(&self, leaf: u32, ask: impl FnOnce(Side<'_>) -> Answer) -> Answer {
+    pub(super) fn with_piece<Answer>(&self, leaf: u32, ask: impl FnOnce(Side<'_>) -> Answer) -> Answer {
         let index = leaf as usize;
         match self.kind {
             Kind::Mesh(mesh) => {
                 let convex = &Convex { core: Core::Triangle(mesh.corners(index)), radius: 0.0 };
                 let feature = Feature { part: self.part, face: Some(mesh.sent_number(index)) };
-                ask(Side::Convex(Piece { convex, place: self.place, feature }))
+                ask(Side::Convex(Piece { convex, place: self.place, feature, skin: false }))
+            }
+            Kind::Field(field) => {
+                let convex = &Convex { core: Core::Triangle(field.corners(index)), radius: 0.0 };
+                let feature = Feature { part: self.part, face: Some(HeightField::cell_of(index) as u32) };
+                ask(Side::Convex(Piece { convex, place: self.place, feature, skin: true }))
             }
             Kind::Compound(compound) => {
                 let part = &compound.parts()[index];
@@ -167,13 +211,18 @@ impl<'a> Concave<'a> {
 
     /// A box in its own frame that surely holds another form.
     pub(super) fn box_of(&self, other: &Side<'_>) -> Aabb {
+        let (relative, slack) = self.relative(other);
+        other.bounds_at(&relative).inflated(slack)
+    }
+
+    /// Where another form is in its own frame, and how far any point of that may be from there.
+    fn relative(&self, other: &Side<'_>) -> (Pose, f64) {
         let (own, place) = (&self.place, other.place());
         let to_local = own.pose.unit_rotation().conjugate();
         let apart = place.pose.position - own.pose.position;
         let relative = Pose::new(to_local * apart, to_local * place.pose.unit_rotation());
-        // What the relative pose may be off by.
         let slack = tolerance::RELATIVE_POSE * (apart.length() + other.reach());
-        other.bounds_at(&relative).inflated(slack + own.blur + place.blur)
+        (relative, slack + own.blur + place.blur)
     }
 
     /// A displacement in the world, in its own axes.

@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use super::{Next, Ordered, Side, next};
+use super::{Next, Ordered, Side, matter::Met, next};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Verdict, Work},
@@ -55,14 +55,27 @@ impl Nearest {
                     self.offer(found);
                 }
             }
-            Next::SplitFirst(a, b) => a.nearest_to(a.box_of(&b), self.limit, work, |piece, work| {
-                self.search(piece, b, accuracy, work);
-                self.limit
-            }),
-            Next::SplitSecond(a, b) => b.nearest_to(b.box_of(&a), self.limit, work, |piece, work| {
-                self.search(a, piece, accuracy, work);
-                self.limit
-            }),
+            Next::SplitFirst(a, b) => {
+                self.meet(Met::of_pair(&a, &b, work));
+                a.nearest_to(a.box_of(&b), self.limit, work, |piece, work| {
+                    self.search(piece, b, accuracy, work);
+                    self.limit
+                });
+            }
+            Next::SplitSecond(a, b) => {
+                self.meet(Met::of_pair(&b, &a, work).map(Met::swapped));
+                b.nearest_to(b.box_of(&a), self.limit, work, |piece, work| {
+                    self.search(a, piece, accuracy, work);
+                    self.limit
+                });
+            }
+        }
+    }
+
+    /// What lies in the other's matter is at distance 0.
+    fn meet(&mut self, met: Option<Met>) {
+        if let Some(met) = met {
+            self.offer(met.separation());
         }
     }
 

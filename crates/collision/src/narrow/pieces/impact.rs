@@ -3,11 +3,16 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::{Next, Ordered, Side, next, sweep::swept};
+use super::{
+    Next, Ordered, Piece, Side,
+    matter::Met,
+    next,
+    sweep::{swept, turned},
+};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Feature, Verdict, Work},
-    narrow::{ImpactTouch, Motion, Placed, convex},
+    narrow::{ImpactTouch, InitialTouch, Motion, Placed, convex},
 };
 
 /// The first touch of `a` and `b`, one of them concave; `None` is a proof that the way is free. An initial touch that is
@@ -22,7 +27,7 @@ pub(in crate::narrow) fn impact(
     let Ordered { first: a, second: b, is_swapped, origin } = Ordered::new(a, b);
     let motion = if is_swapped { &motion.swapped() } else { motion };
     let mut first = First::default();
-    first.search(a, b, &Ask { motion, accuracy }, work);
+    first.search(a, b, &Ask { motion, accuracy, skin: Skin::FromBothSides }, work);
     let Candidate { mut touch, feature_a } = first.winner()?;
     touch.point += origin;
     if !is_swapped {
@@ -37,6 +42,35 @@ pub(in crate::narrow) fn impact(
 struct Ask<'a> {
     motion: &'a Motion,
     accuracy: &'a Accuracy,
+    skin: Skin,
+}
+
+/// How skin may be touched.
+#[derive(Clone, Copy, PartialEq)]
+enum Skin {
+    FromBothSides,
+    /// The form begins inside, which is ignored: it goes out without a touch.
+    FromOutside,
+}
+
+impl Ask<'_> {
+    /// Whether a touch is that of a form that goes out of the matter in which it began.
+    fn leaves(&self, a: &Piece<'_>, b: &Piece<'_>, touch: &ImpactTouch) -> bool {
+        if self.skin == Skin::FromBothSides {
+            return false;
+        }
+        let Motion { displacement_a, displacement_b, rotation_a, rotation_b, .. } = *self.motion;
+        // How fast a piece moves where they touch.
+        let velocity = |piece: &Piece<'_>, displacement: DVec3, rotation: DVec3| {
+            let pivot = piece.place.pose.position - piece.place.arm + displacement * touch.fraction;
+            displacement + rotation.cross(touch.point - pivot)
+        };
+        let ahead = velocity(a, displacement_a, rotation_a) - velocity(b, displacement_b, rotation_b);
+        let goes_out = |skin: &Piece<'_>, rotation: DVec3, way: DVec3| {
+            skin.outward().is_some_and(|outward| turned(rotation * touch.fraction, outward).dot(way) > 0.0)
+        };
+        goes_out(b, rotation_b, ahead) || goes_out(a, rotation_a, DVec3::ZERO - ahead)
+    }
 }
 
 /// A touch, and where it is on the first form.
@@ -64,7 +98,8 @@ impl First {
         match next(a, b) {
             Next::Ask(a, b) => {
                 let arms = [a.place.arm, b.place.arm];
-                if let Some(touch) = convex::impact(a.placed(), b.placed(), ask.motion, arms, ask.accuracy, work) {
+                let touch = convex::impact(a.placed(), b.placed(), ask.motion, arms, ask.accuracy, work);
+                if let Some(touch) = touch.filter(|touch| !ask.leaves(&a, &b, touch)) {
                     self.take(Candidate { touch: ImpactTouch { feature_b: b.feature, ..touch }, feature_a: a.feature });
                 }
             }
@@ -74,6 +109,7 @@ impl First {
                 }
             }
             Next::SplitFirst(a, b) => {
+                let ask = &self.meet(Met::of_pair(&a, &b, work), ask);
                 let path = swept(&a, &b, &ask.motion.swapped());
                 a.along(&path, self.limit, work, |piece, work| {
                     self.search(piece, b, ask, work);
@@ -81,11 +117,25 @@ impl First {
                 });
             }
             Next::SplitSecond(a, b) => {
+                let ask = &self.meet(Met::of_pair(&b, &a, work).map(Met::swapped), ask);
                 let path = swept(&b, &a, ask.motion);
                 b.along(&path, self.limit, work, |piece, work| {
                     self.search(a, piece, ask, work);
                     self.limit
                 });
+            }
+        }
+    }
+
+    /// What lies in the other's matter touches it at the start, or is passed over; what is asked of the pieces then.
+    fn meet<'a>(&mut self, met: Option<Met>, ask: &Ask<'a>) -> Ask<'a> {
+        match (met, ask.motion.initial) {
+            (None, _) => *ask,
+            (Some(_), InitialTouch::IsIgnored) => Ask { skin: Skin::FromOutside, ..*ask },
+            (Some(met), InitialTouch::Counts) => {
+                let (touch, feature_a) = met.initial_touch();
+                self.take(Candidate { touch, feature_a });
+                *ask
             }
         }
     }

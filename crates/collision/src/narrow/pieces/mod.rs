@@ -8,12 +8,15 @@
 //!
 //! Against a half space a compound is asked part by part; other forms have kernels of their own for that.
 //!
+//! A height field has an inside, which is asked by points ([`matter`]).
+//!
 //! # Limits
 //! A mesh is a surface: what lies wholly inside a closed one does not touch it.
 
 mod concave;
 mod distance;
 mod impact;
+mod matter;
 mod overlap;
 mod penetration;
 mod sweep;
@@ -54,6 +57,8 @@ struct Piece<'a> {
     place: Place,
     /// Which piece it is.
     feature: Feature,
+    /// It is a triangle of the skin of a body, whose corners go counter-clockwise seen from outside.
+    skin: bool,
 }
 
 /// A half space.
@@ -74,9 +79,12 @@ impl<'a> Side<'a> {
     /// A geometry at a place; `part` is the number of its first leaf in the compound that it is part of.
     fn of(geometry: &'a Geometry, place: Place, part: Option<u32>) -> Self {
         match geometry.form() {
-            Form::Convex(convex) => Self::Convex(Piece { convex, place, feature: Feature { part, face: None } }),
+            Form::Convex(convex) => {
+                Self::Convex(Piece { convex, place, feature: Feature { part, face: None }, skin: false })
+            }
             Form::Mesh(mesh) => Self::Concave(Concave::mesh(mesh, geometry, place, part)),
             Form::Compound(compound) => Self::Concave(Concave::compound(compound, geometry, place, part)),
+            Form::HeightField(field) => Self::Concave(Concave::height_field(field, geometry, place, part)),
             Form::HalfSpace(half_space) => Self::Space(Space { half_space, geometry, place }),
         }
     }
@@ -157,7 +165,7 @@ enum Next<'a> {
     SplitSecond(Side<'a>, Concave<'a>),
 }
 
-/// The one rule of which side is taken apart: compounds before others, else the first if it can be.
+/// The one rule of which side is taken apart: compounds before meshes before height fields, else the first if it can be.
 fn next<'a>(first: Side<'a>, second: Side<'a>) -> Next<'a> {
     match (first, second) {
         (Side::Convex(a), Side::Convex(b)) => Next::Ask(a, b),
@@ -169,10 +177,7 @@ fn next<'a>(first: Side<'a>, second: Side<'a>) -> Next<'a> {
             Some(body) => Next::AskSpace(b.below(body, (a.place(), a.geometry().reach())), a.feature()),
             None => Next::SplitFirst(a, second),
         },
-        (first, Side::Concave(b)) if b.is_compound() => match first {
-            Side::Concave(a) if a.is_compound() => Next::SplitFirst(a, second),
-            first => Next::SplitSecond(first, b),
-        },
+        (Side::Concave(a), Side::Concave(b)) if b.rank() < a.rank() => Next::SplitSecond(first, b),
         (Side::Concave(a), second) => Next::SplitFirst(a, second),
         (first, Side::Concave(b)) => Next::SplitSecond(first, b),
         (Side::Space(_), _) => unreachable!("a half space is the second of a pair, and of two no side is a compound"),

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Next, Ordered, Side, next};
+use super::{Next, Ordered, Side, matter::Met, next};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Method, Stop, Verdict, Work},
@@ -45,15 +45,31 @@ impl Touching {
         match next(a, b) {
             Next::Ask(a, b) => self.take(convex::overlap(a.placed(), b.placed(), accuracy, work)),
             Next::AskSpace(pair, _) => self.take(pair.overlap(work)),
-            Next::SplitFirst(a, b) => a.in_box(a.box_of(&b), work, |piece, work| {
-                self.search(piece, b, accuracy, work);
-                self.flow()
-            }),
-            Next::SplitSecond(a, b) => b.in_box(b.box_of(&a), work, |piece, work| {
-                self.search(a, piece, accuracy, work);
-                self.flow()
-            }),
+            Next::SplitFirst(a, b) => {
+                if self.meet(Met::of_pair(&a, &b, work)).is_continue() {
+                    a.in_box(a.box_of(&b), work, |piece, work| {
+                        self.search(piece, b, accuracy, work);
+                        self.flow()
+                    });
+                }
+            }
+            Next::SplitSecond(a, b) => {
+                if self.meet(Met::of_pair(&b, &a, work)).is_continue() {
+                    b.in_box(b.box_of(&a), work, |piece, work| {
+                        self.search(a, piece, accuracy, work);
+                        self.flow()
+                    });
+                }
+            }
         }
+    }
+
+    /// What lies in the other's matter touches it.
+    fn meet(&mut self, met: Option<Met>) -> ControlFlow<()> {
+        if let Some(met) = met {
+            self.take(met.overlap());
+        }
+        self.flow()
     }
 
     fn take(&mut self, piece: Certificate) {

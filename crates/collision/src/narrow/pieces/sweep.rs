@@ -55,6 +55,6 @@ fn ball_of(local: Aabb, reach: f64) -> f64 {
 }
 
 /// A vector after a turn by a rotation vector.
-fn turned(turn: DVec3, vector: DVec3) -> DVec3 {
+pub(super) fn turned(turn: DVec3, vector: DVec3) -> DVec3 {
     try_unit(turn).map_or(vector, |axis| DMat3::from_axis_angle(axis, turn.length()) * vector)
 }

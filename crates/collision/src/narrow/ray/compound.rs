@@ -11,7 +11,7 @@ use smallvec::SmallVec;
 use super::{
     Ray, RayTouch, RayTouches,
     frame::{LocalRay, Target},
-    mesh, touches as touches_of_convex,
+    height_field, mesh, touches as touches_of_convex,
 };
 use crate::{
     accuracy::Accuracy,
@@ -71,8 +71,11 @@ impl Cast<'_> {
             let number = first_leaf + compound.first_leaf(leaf as usize);
             match part.geometry.form() {
                 Form::Compound(inner) => self.search((inner, &part.geometry), &place, number, found, work),
+                Form::HeightField(field) => {
+                    found.offer(height_field::touches(self.ray, (field, &part.geometry), &place, work), number);
+                }
                 Form::Mesh(mesh) => {
-                    found.offer(mesh::touches(self.ray, (mesh, &part.geometry), &place, work), number);
+                    found.offer(mesh::touches(self.ray, (mesh.as_ref(), &part.geometry), &place, work), number);
                 }
                 Form::Convex(convex) => {
                     let touches = touches_of_convex(self.ray, (convex, &part.geometry), &place, self.accuracy, work);

@@ -1,4 +1,4 @@
-//! Rays against triangle meshes: the tree, watertight edges, and which touch comes first.
+//! Rays against triangles: the tree, watertight edges, and which touch comes first.
 //!
 //! # Method
 //! Each triangle that the tree offers is hit, missed or open. Open ones lie within the error of an edge. They are decided
@@ -15,14 +15,15 @@ use super::{
     Faces, Ray, RayTouch, RayTouches,
     crossing::certificate,
     frame::{LocalRay, Target},
-    triangle::{Meeting, Sight, Sign, View, normal, weights},
+    surface::Surface,
+    triangle::{Meeting, Sight, Sign, View, normal},
 };
 use crate::{
     answer::{Bound, Feature, Verdict, Work},
     broad::{ALL_LAYERS, Tree},
     math::Pose,
     narrow::place::Place,
-    shape::{Geometry, Mesh},
+    shape::Geometry,
 };
 
 /// Triangles of a patch at most: more meet at one vertex only in contrived meshes, and then the touch stays undecided.
@@ -37,8 +38,13 @@ struct Candidate {
     verdict: Verdict,
 }
 
-/// What a ray touches of a mesh.
-pub(super) fn touches(ray: &Ray, (mesh, geometry): (&Mesh, &Geometry), place: &Place, work: &mut Work) -> RayTouches {
+/// What a ray touches of a surface of triangles.
+pub(super) fn touches<S: Surface>(
+    ray: &Ray,
+    (mesh, geometry): (&S, &Geometry),
+    place: &Place,
+    work: &mut Work,
+) -> RayTouches {
     let center = Target::about_center(geometry, place.blur);
     let local = LocalRay::new(ray, &place.pose, center);
     let Some(stretch) = local.stretch(center.radius) else {
@@ -56,7 +62,7 @@ pub(super) fn touches(ray: &Ray, (mesh, geometry): (&Mesh, &Geometry), place: &P
 }
 
 /// What is known of the ray and one triangle; `None` if it is surely not touched.
-fn candidate(sight: &Sight<'_>, mesh: &Mesh, triangle: usize, faces: Faces) -> Option<Candidate> {
+fn candidate<S: Surface>(sight: &Sight<'_>, mesh: &S, triangle: usize, faces: Faces) -> Option<Candidate> {
     let corners = mesh.corners(triangle);
     let view = sight.view(corners);
     if view.is_missed() || is_culled(view, faces) {
@@ -105,7 +111,7 @@ fn is_culled(view: View, faces: Faces) -> bool {
 }
 
 /// The hull of when the ray meets a patch around `seed` that it surely goes through; `None` if there is no proof.
-fn patch_meeting(sight: &Sight<'_>, mesh: &Mesh, seed: usize, view: View) -> Option<Bound> {
+fn patch_meeting<S: Surface>(sight: &Sight<'_>, mesh: &S, seed: usize, view: View) -> Option<Bound> {
     let mut patch: SmallVec<[(usize, View); 16]> = SmallVec::new();
     patch.push((seed, view));
     let mut next = 0;
@@ -132,14 +138,9 @@ fn patch_meeting(sight: &Sight<'_>, mesh: &Mesh, seed: usize, view: View) -> Opt
 }
 
 /// The one triangle beyond a side, if it faces as this one does, so that the side is no silhouette.
-fn across(sight: &Sight<'_>, mesh: &Mesh, triangle: usize, view: View, k: usize) -> Option<(usize, View)> {
-    let mut others = mesh.adjacency().across(triangle, k);
-    let (other, side) = others.next()?;
-    if others.next().is_some() {
-        return None;
-    }
+fn across<S: Surface>(sight: &Sight<'_>, mesh: &S, triangle: usize, view: View, k: usize) -> Option<(usize, View)> {
+    let (other, is_same_way) = mesh.across(triangle, k)?;
     let view_of_other = sight.view_of_neighbour(mesh.corners(other));
-    let is_same_way = mesh.triangles()[triangle][k] == mesh.triangles()[other][side];
     let faces_alike = oriented(view, Sign::Positive)? == oriented(view_of_other, Sign::Positive)?;
     (is_same_way != faces_alike).then_some((other, view_of_other))
 }
@@ -180,7 +181,7 @@ impl Found {
     }
 
     /// The first by its best value; where others cannot be told from it (they share an edge there), the least number.
-    fn touches(&self, local: &LocalRay, mesh: &Mesh, pose: &Pose) -> RayTouches {
+    fn touches<S: Surface>(&self, local: &LocalRay, mesh: &S, pose: &Pose) -> RayTouches {
         let pick = |verdict: Verdict| {
             let those = || self.candidates.iter().filter(move |candidate| candidate.verdict == verdict);
             let first = those().min_by(|a, b| {
@@ -201,7 +202,7 @@ impl Found {
     }
 }
 
-fn touch(local: &LocalRay, mesh: &Mesh, pose: &Pose, winner: Candidate, bound: Bound) -> RayTouch {
+fn touch<S: Surface>(local: &LocalRay, mesh: &S, pose: &Pose, winner: Candidate, bound: Bound) -> RayTouch {
     let best = winner.best.clamp(bound.lower, bound.upper);
     let corners = mesh.corners(winner.triangle);
     let (outwards, _) = normal(corners);
@@ -212,8 +213,8 @@ fn touch(local: &LocalRay, mesh: &Mesh, pose: &Pose, winner: Candidate, bound: B
         point: local.to_world(pose, point),
         normal: Some(local.normal_to_world(towards_asker)),
         inside: false,
-        feature: Feature { part: None, face: Some(mesh.sent_number(winner.triangle)) },
-        barycentric: weights(corners, point),
+        feature: Feature { part: None, face: Some(mesh.face(winner.triangle)) },
+        barycentric: S::weights(corners, point),
         certificate: certificate(winner.verdict, bound),
     }
 }

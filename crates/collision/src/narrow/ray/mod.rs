@@ -16,12 +16,14 @@ mod cylinder;
 mod ellipsoid;
 mod frame;
 mod half_space;
+mod height_field;
 mod mesh;
 mod nearest;
 mod polytope;
 mod round;
 mod rounded;
 mod stretch;
+mod surface;
 mod triangle;
 
 use glam::DVec3;
@@ -114,7 +116,8 @@ pub struct RayTouches {
 ///
 /// A mesh is a surface: it has no inside, both sides count unless the ray's [`Faces`] say otherwise, and a ray in the plane
 /// of a triangle does not meet that triangle. Where triangles share an edge the least number wins. An undecided touch does not hide a certain one behind
-/// it: see [`RayTouches`]. A compound is met where the first of its parts is; each part is full, hollow or culled by itself.
+/// it: see [`RayTouches`]. A height field is a body. A compound is met where the first of its parts is; each part is full, hollow or
+/// culled by itself.
 ///
 /// ```
 /// use collision::{DVec3, accuracy::Accuracy, answer::Work, math::Pose, narrow, shape::Geometry};
@@ -135,13 +138,14 @@ pub struct RayTouches {
 pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> RayTouches {
     let Placed { geometry, pose } = target;
     match geometry.form() {
-        Form::Mesh(mesh) => mesh::touches(ray, (mesh, geometry), &Place::of(pose), work),
+        Form::Mesh(mesh) => mesh::touches(ray, (mesh.as_ref(), geometry), &Place::of(pose), work),
         Form::HalfSpace(half_space) => {
             work.pairs_tested += 1;
             work.iterations += 1;
             half_space::touches(ray, half_space, &pose)
         }
         Form::Convex(convex) => touches(ray, (convex, geometry), &Place::of(pose), accuracy, work),
+        Form::HeightField(field) => height_field::touches(ray, (field, geometry), &Place::of(pose), work),
         Form::Compound(compound) => compound::touches(ray, (compound, geometry), &pose, accuracy, work),
     }
 }

@@ -143,7 +143,7 @@ fn on_the_way(geometry: &Geometry, (begin, box_begin): &(Pose, Aabb), (end, box_
     let reach = match geometry.form() {
         Form::Convex(_) => geometry.reach(),
         // Its canonical box is that of its turned box, whose corners go beyond its points.
-        Form::Mesh(_) | Form::Compound(_) => {
+        Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) => {
             let local = geometry.local_bounds();
             local.min.abs().max(local.max.abs()).norm() * tolerance::LENGTH_WIDENING
         }
