@@ -11,7 +11,7 @@ use std::{
 const COLLISION_DEPENDENCIES: [&str; 5] = ["blake3", "glam", "robust", "smallvec", "thiserror"];
 
 /// The layers of the domain: each uses only those before it (`shape` and `narrow` may ask trees of boxes).
-const LAYERS: [&str; 6] = ["math", "broad", "shape", "narrow", "response", "world"];
+const LAYERS: [&str; 7] = ["math", "broad", "shape", "narrow", "decompose", "response", "world"];
 
 /// Lines of a function, and of a file.
 const FUNCTION_LINES_MAX: usize = 70;

@@ -5,7 +5,7 @@
 //! overlap. Normals are unit vectors from `b` to `a` (from the shape of the world to the asker).
 //!
 //! # Layers
-//! `math → broad → shape → narrow → response → world`; each uses only those to its left (a mesh keeps a tree of boxes).
+//! `math → broad → shape → narrow → decompose → response → world`; each uses only those to its left (a mesh keeps a tree of boxes).
 //!
 //! # Never
 //! Network, threads, clocks, files, logging, randomness.
@@ -13,6 +13,7 @@
 pub mod accuracy;
 pub mod answer;
 pub mod broad;
+pub mod decompose;
 pub mod math;
 pub mod narrow;
 mod pages;

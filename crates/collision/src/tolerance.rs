@@ -323,3 +323,41 @@ pub const STRIDE_MIN: f64 = 8192.0 * ROUNDING;
 /// that are narrower than this are no floors. Smaller: rounding of the contact point may miss the surface. Pinned by
 /// `world/character.rs`, stairs.
 pub const BESIDE_EDGE: f64 = 1.0 / 1024.0;
+
+/// How far the length of `Σ wᵢ(vᵢ − p)` and the height of the lowest corner along it may be from those of the true point of a
+/// triangle, as a part of the sum over the axes of how far its corners are from `p` at most. For the length: one rounding for
+/// each difference, one for the product, two for the sum, and 8 for weights whose sum is 1 but for the rounding of three
+/// quotients; for the height 3 for the product, 4 for the unit vector and one for the difference. 32 are taken. Larger: wider
+/// bounds. Smaller: a decomposition might state less than its error. Test: `a_foot_is_bounded_on_both_sides` in `shape/foot.rs`.
+pub const FOOT_ROUNDING: f64 = 32.0 * ROUNDING;
+
+/// What the bounds of a search over a part are widened by, as a part of the farthest coordinate of the mesh: each of up to 128
+/// halvings moves a point by one rounding of a sum of halves, √3 of it as a vector, heights above faces are off by 16, and 512 are
+/// taken. Larger: wider bounds of decompositions. Smaller: one might state less than its error. Pinned by
+/// `what_is_certified_is_not_exceeded` in `tests/decompose/laws.rs`.
+pub const CELL_ROUNDING: f64 = 512.0 * ROUNDING;
+
+/// How far, as a part of a mesh's diagonal, a triangle may reach into a simplex that counts as inside but for that: 2⁻³³. What it
+/// may cut off is bounded and counted. Larger: more triangles are let in, for wider bounds. Smaller: hulls that share faces with the
+/// mesh to within rounding are searched all along those. Pinned by `a_convex_mesh_is_one_exact_part` in `tests/decompose/laws.rs`.
+pub const LID_DEPTH: f64 = 1_048_576.0 * ROUNDING;
+
+/// Corners of a piece within this part of its farthest coordinate of the plane of a cut are in it: 2⁻⁴³, beyond the roundings of a
+/// normal, which a small triangle makes larger, and of a height. Larger: [`CUT_OUTSIDE`] as well. Smaller: of faces that are one but
+/// for rounding slivers are cut. Pinned by `an_l_is_two_exact_parts` in `tests/decompose/laws.rs`.
+pub const CUT_SNAP: f64 = 1024.0 * ROUNDING;
+
+/// What each cut of a mesh may leave outside of its parts at most, as a part of the farthest coordinate: the border of a lid strays from
+/// its plane by [`CUT_SNAP`] to both sides, or, as a point on an edge, by 8 roundings; twice that is taken. Larger: wider bounds.
+/// Smaller: a decomposition might state less than what it leaves out. Pinned by `what_is_certified_is_not_exceeded` in
+/// `tests/decompose/laws.rs`.
+pub const CUT_OUTSIDE: f64 = 4.0 * (CUT_SNAP + 8.0 * ROUNDING);
+
+/// How near convex parts are to be to their mesh where nothing is asked, as a part of its diagonal: 1 %, where a figure of an animal takes
+/// some dozens of parts. It is a default, documented in the API, and decides no answer.
+pub const DECOMPOSE_ERROR: f64 = 0.01;
+
+/// Convex parts need not be nearer to their mesh than this part of its diagonal, 2⁻²⁴: along a face that is within that of the mesh, a
+/// search takes as many cells as there are squares of it on the face. Larger: finer parts cannot be asked for. Smaller: the budget
+/// ends such searches instead. Pinned by `what_is_asked_too_fine_still_ends` in `tests/decompose/laws.rs`.
+pub const DECOMPOSE_ERROR_MIN: f64 = 1.0 / 16_777_216.0;

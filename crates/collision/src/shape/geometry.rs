@@ -172,6 +172,11 @@ impl Geometry {
         Ok(Self::convex(Core::Hull(Arc::new(Hull::new(points))), 0.0))
     }
 
+    /// A hull that has been made already, of points within the limits.
+    pub(crate) fn of_hull(hull: Arc<Hull>) -> Self {
+        Self::convex(Core::Hull(hull), 0.0)
+    }
+
     /// A surface of triangles, felt from both sides. Degenerate triangles are left out and counted in the report.
     ///
     /// # Errors

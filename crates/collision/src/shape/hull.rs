@@ -15,7 +15,7 @@ use super::{
     quickhull,
     topology::{Edge, Face, Topology},
 };
-use crate::math::Aabb;
+use crate::math::{Aabb, Norm};
 
 /// The convex hull of points, which may be flat, straight or a single point.
 #[derive(Debug)]
@@ -84,7 +84,7 @@ impl Hull {
     }
 
     /// The local box, exact.
-    pub(super) fn bounds(&self) -> Aabb {
+    pub(crate) fn bounds(&self) -> Aabb {
         self.bounds
     }
 
@@ -142,6 +142,31 @@ impl Hull {
         }
         let columns = || Columns::new(&faces.iter().map(|face| face.normal).collect::<Vec<_>>());
         faces.get(self.normals.get_or_init(columns).farthest(direction) as usize)
+    }
+
+    /// Its volume, cubic metres, to within rounding; 0 if it is flat. The first call builds the topology.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.fans().map(|[a, b, c]| a.cross(b).dot(c)).sum::<f64>().max(0.0) / 6.0
+    }
+
+    /// The area of its surface, square metres, to within rounding: both sides of a flat one.
+    #[must_use]
+    pub fn surface_area(&self) -> f64 {
+        self.fans().map(|[a, b, c]| (b - a).cross(c - a).norm()).sum::<f64>() / 2.0
+    }
+
+    /// Triangles that make up its faces, seen from its middle.
+    fn fans(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+        self.face_triangles().map(|corners| corners.map(|corner| corner - self.center))
+    }
+
+    /// Triangles that make up its faces, counter-clockwise from outside.
+    pub(crate) fn face_triangles(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+        self.topology().faces.iter().flat_map(|face| {
+            let corner = |at: usize| self.vertices[face.vertices[at] as usize];
+            (2..face.vertices.len()).map(move |at| [corner(0), corner(at - 1), corner(at)])
+        })
     }
 
     fn slopes(&self) -> &Slopes {

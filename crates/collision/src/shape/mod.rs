@@ -9,6 +9,7 @@ mod climb;
 mod compound;
 mod convex;
 mod farthest;
+mod foot;
 mod geometry;
 mod half_space;
 mod height_field;
@@ -22,6 +23,8 @@ mod scale;
 mod simplify;
 mod solid;
 mod topology;
+
+pub(crate) use foot::{foot, radius_up};
 
 pub use adjacency::Adjacency;
 pub use compound::{Compound, Part, distinct};

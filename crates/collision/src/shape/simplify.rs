@@ -92,7 +92,7 @@ impl Hull {
     }
 
     /// The vertices that are on its edges, in order; the first one if there is no edge.
-    fn corners(&self) -> Vec<u32> {
+    pub(crate) fn corners(&self) -> Vec<u32> {
         let topology = self.topology();
         if topology.span == Span::Point {
             return vec![0];

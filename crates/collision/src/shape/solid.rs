@@ -16,7 +16,7 @@
 //! the number may be more than 1: that is inside. A surface turned inside out encloses what it encloses, its volume
 //! counts as negative.
 
-use std::convert::Infallible;
+use std::{convert::Infallible, ops::ControlFlow};
 
 use glam::DVec3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
@@ -93,6 +93,12 @@ impl Mesh {
             Some(0) => Containment::Outside,
             Some(_) => Containment::Inside,
         }
+    }
+
+    /// Calls `visit` with each triangle that may meet a box, until it breaks.
+    pub(crate) fn near_box(&self, bounds: Aabb, work: &mut Work, mut visit: impl FnMut(usize) -> ControlFlow<()>) {
+        let Ok(()) =
+            self.tree().visit_box(bounds, ALL_LAYERS, work, |_, leaf| Ok::<_, Infallible>(visit(leaf as usize)));
     }
 }
 

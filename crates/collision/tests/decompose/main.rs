@@ -1,0 +1,9 @@
+//! Convex parts of meshes: what is certified of them holds, and how good they are.
+
+#[path = "../cubes/mod.rs"]
+mod cubes;
+mod data;
+mod laws;
+#[path = "../reference/mod.rs"]
+mod reference;
+mod sampled;
