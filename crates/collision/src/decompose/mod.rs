@@ -201,7 +201,7 @@ pub fn measure(
     let goal = Goal { enough: width, share: SHARE, hopeless: f64::INFINITY };
     let hulls = parts.iter().filter_map(|part| match part.form() {
         Form::Convex(Convex { core: Core::Hull(hull), .. }) => Some(hull),
-        Form::Convex(_) | Form::Mesh(_) | Form::HalfSpace(_) | Form::Compound(_) => None,
+        Form::Convex(_) | Form::Mesh(_) | Form::HeightField(_) | Form::HalfSpace(_) | Form::Compound(_) => None,
     });
     assert!(!parts.is_empty() && hulls.clone().count() == parts.len(), "at least one part, and hulls only");
     let known = hulls.clone().map(|hull| subject.surely_within(hull.vertices())).fold(0.0, f64::max);
