@@ -1,0 +1,192 @@
+//! What the server costs beyond the wire and the library: `cargo bench --bench service`.
+//!
+//! Two servers run in processes of their own: the real one, over a world of 100,000 shapes, and an echo, which says the same answer
+//! to everything. Both are asked in turn, A B A B, and their processor time is read from the system, so that what the client takes
+//! does not count. The library alone asks the same rays in this process. A goal is met if the real server takes no more than the echo
+//! and the library together, and a ninth of that.
+//!
+//! `cargo bench --bench service -- --check` ends with 1 if a goal is missed; `--shapes N` and `--seconds S` change the size of the world
+//! and how long each figure is measured.
+
+mod child;
+#[path = "../dice/mod.rs"]
+mod dice;
+mod echo;
+mod load;
+mod scene;
+
+use std::error::Error;
+use std::io::{Write, stdout};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use calipers_client::{EditWriter, edit};
+
+use child::{Kind, Server};
+use dice::Dice;
+use load::{Figures, Way};
+use scene::{RAY_LENGTH, Scene};
+
+type Failure = Box<dyn Error + Send + Sync>;
+
+/// Rounds of A and B: the best of each counts.
+const ROUNDS: usize = 3;
+/// Moves of a message of the edit stream, which is one tick.
+const MOVES: u64 = 1000;
+/// What the real server may take of what echo and library take together.
+const OF_THE_SUM: f64 = 1.0 / 0.9;
+/// Calls a second of the real server, at least this part of echo's.
+const OF_ECHO: f64 = 0.8;
+/// A small question beside batches of ten milliseconds, 99 of 100.
+const SMALL_P99: Duration = Duration::from_micros(150);
+
+fn main() -> Result<ExitCode, Failure> {
+    let flags: Vec<String> = std::env::args().skip(1).collect();
+    let has = |flag: &str| flags.iter().any(|given| given == flag);
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    for kind in [Kind::Echo, Kind::Real] {
+        if has(kind.flag()) {
+            runtime.block_on(child::serve(kind))?;
+            return Ok(ExitCode::SUCCESS);
+        }
+    }
+    // `cargo bench` hands over --bench; without it this is `cargo test --benches`, which wants no figures.
+    if !has("--bench") {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let number = |flag: &str, default: f64| -> Result<f64, Failure> {
+        let place = flags.iter().position(|given| given == flag);
+        let given = place.and_then(|place| flags.get(place + 1));
+        Ok(given.map_or(Ok(default), |given| given.parse())?)
+    };
+    let shape_count = number("--shapes", 100_000.0)? as u64;
+    let time = Duration::from_secs_f64(number("--seconds", 2.0)?);
+    let missed = runtime.block_on(run(shape_count, time))?;
+    let fails = has("--check") && missed > 0;
+    Ok(if fails { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// Prints all figures; returns how many goals were missed.
+async fn run(shape_count: u64, time: Duration) -> Result<usize, Failure> {
+    let mut out = stdout();
+    let mut dice = Dice(7);
+    let scene = Scene::new(shape_count, &mut dice);
+    let rays = scene.rays(8192, &mut dice);
+    let (library, hit_share) = scene.library_ray(&rays)?;
+    let library_ns = library.as_nanos() as f64;
+    writeln!(
+        out,
+        "{shape_count} shapes in a cube of {:.1} m, rays of {RAY_LENGTH} m, {:.0} % hit; the library alone takes \
+         {library_ns:.0} ns a ray\n",
+        scene.side,
+        100.0 * hit_share
+    )?;
+    let (echo, real) = (Server::start(Kind::Echo)?, Server::start(Kind::Real)?);
+    scene.fill(&real.client().await?).await?;
+    let mut missed = 0;
+    let mut judge = |is_met: bool| {
+        missed += usize::from(!is_met);
+        if is_met { "met" } else { "missed" }
+    };
+    writeln!(
+        out,
+        "| rays by | echo/s | server/s | echo CPU ns | server CPU ns | goal | |\n|---|---|---|---|---|---|---|"
+    )?;
+    let ways = [
+        Way::Unary(1),
+        Way::Unary(16),
+        Way::Stream(128),
+        Way::Batch(256),
+        Way::Batch(1024),
+        Way::Columns(1024),
+        Way::Columns(4096),
+        Way::ColumnStream(64),
+        Way::ColumnStream(1024),
+    ];
+    for way in ways {
+        let (of_echo, of_real) = both(&echo, &real, way, &rays, time).await?;
+        let most = (of_echo.cpu_ns + library_ns) * OF_THE_SUM;
+        let (goal, verdict) = match way {
+            Way::Unary(_) => {
+                let least = of_echo.rate * OF_ECHO;
+                (format!("{least:.0}/s"), judge(of_real.rate >= least))
+            }
+            _ => (format!("{most:.0} ns"), judge(of_real.cpu_ns <= most)),
+        };
+        writeln!(
+            out,
+            "| {way} | {:.0} | {:.0} | {:.0} | {:.0} | {goal} | {verdict} |",
+            of_echo.rate, of_real.rate, of_echo.cpu_ns, of_real.cpu_ns
+        )?;
+    }
+    let small = beside_batches(&real, &rays, library_ns, time * 2).await?;
+    let verdict = judge(small <= SMALL_P99);
+    writeln!(
+        out,
+        "\na ray beside batches of 10 ms: p99 {} µs, goal {} µs: {verdict}",
+        small.as_micros(),
+        SMALL_P99.as_micros()
+    )?;
+    let moves = streamed(&real, &scene, &mut dice, time).await?;
+    writeln!(out, "edit stream, {MOVES} moves a tick: {moves:.0} moves/s")?;
+    Ok(missed)
+}
+
+/// The best of some rounds, one after the other.
+async fn both(
+    echo: &Server,
+    real: &Server,
+    way: Way,
+    rays: &[calipers_client::proto::RaycastRequest],
+    time: Duration,
+) -> Result<(Figures, Figures), Failure> {
+    let better = |a: Figures, b: Figures| Figures { rate: a.rate.max(b.rate), cpu_ns: a.cpu_ns.min(b.cpu_ns) };
+    let worst = Figures { rate: 0.0, cpu_ns: f64::INFINITY };
+    let (mut of_echo, mut of_real) = (worst, worst);
+    for _ in 0..ROUNDS {
+        of_echo = better(of_echo, load::run(echo, way, rays, time).await?);
+        of_real = better(of_real, load::run(real, way, rays, time).await?);
+    }
+    Ok((of_echo, of_real))
+}
+
+/// How long 99 of 100 single rays take while another client asks batches of ten milliseconds.
+async fn beside_batches(
+    real: &Server,
+    rays: &[calipers_client::proto::RaycastRequest],
+    library_ns: f64,
+    time: Duration,
+) -> Result<Duration, Failure> {
+    let size = (1e7 / library_ns) as usize;
+    let many: Vec<_> = rays.iter().cycle().take(size).cloned().collect();
+    let beside = real.client().await?;
+    let heavy = tokio::spawn(async move { load::columns_for(&beside, &many, time).await });
+    let client = real.client().await?;
+    let mut times = load::unary(&client, rays, 1, time).await?;
+    heavy.await??;
+    times.sort_unstable();
+    Ok(times[times.len() * 99 / 100])
+}
+
+/// Moves shapes over the stream as fast as it is acknowledged; returns moves a second.
+async fn streamed(real: &Server, scene: &Scene, dice: &mut Dice, time: Duration) -> Result<f64, Failure> {
+    let ticks: Vec<Vec<_>> = (0..16)
+        .map(|tick| (0..MOVES).map(|index| edit::move_to(1 + tick * MOVES + index, dice.point(scene.side))).collect())
+        .collect();
+    let mut writer = EditWriter::open(&real.client().await?, "movers").await?;
+    let began = std::time::Instant::now();
+    let mut tick_count = 0;
+    for moves in ticks.iter().cycle() {
+        if began.elapsed() >= time {
+            break;
+        }
+        writer.commit(moves.iter().cloned()).await?;
+        tick_count += 1;
+    }
+    writer.flush().await?;
+    let took = began.elapsed().as_secs_f64();
+    match writer.take_report().problems.first() {
+        Some(problem) => Err(problem.message.clone().into()),
+        None => Ok(f64::from(tick_count) * MOVES as f64 / took),
+    }
+}
