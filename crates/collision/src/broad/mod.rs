@@ -10,6 +10,7 @@ mod fixed;
 mod forest;
 mod local;
 mod node;
+mod open;
 mod pairs;
 mod path;
 mod traverse;
@@ -17,5 +18,5 @@ mod wide;
 
 pub use dynamic::{DynamicTree, Refit};
 pub use fixed::StaticTree;
-pub use path::Path;
+pub use path::{Line, Path};
 pub use traverse::{ALL_LAYERS, Toll, Tree, distance_at_least};

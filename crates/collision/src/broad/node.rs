@@ -40,6 +40,19 @@ impl Child {
         Self(index)
     }
 
+    /// As a number.
+    #[inline]
+    pub(super) fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// What had these bits.
+    #[inline]
+    pub(super) fn of_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    #[inline]
     pub(super) fn target(self) -> Target {
         if self == Self::NOTHING {
             Target::Nothing

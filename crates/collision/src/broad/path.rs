@@ -9,7 +9,7 @@
 //! Slab test: Williams, Barrus, Morley, Shirley, "An Efficient and Robust Ray-Box Intersection Algorithm", 2005, with
 //! the widening of Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
-use glam::DVec3;
+use glam::{DVec3, Vec4};
 
 use super::{
     node::{Lanes, Node},
@@ -34,43 +34,55 @@ impl Path {
     /// `limit`. Whenever this is `Some`, a search along this path offers a leaf of that box.
     #[must_use]
     pub fn entry(&self, bounds: &Aabb, limit: f64) -> Option<f64> {
-        Some(Slabs::new(self, bounds).stay(bounds, limit)?.0)
+        Line::new(self).entry(bounds, limit)
     }
 }
 
-/// A path made ready for slab tests against one box, in f64.
-struct Slabs {
-    origin: DVec3,
+/// A path made ready for many boxes.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    /// The path.
+    pub path: Path,
     /// ±∞ where the direction is ±0: then a box is entered in that axis at all times or never.
     inverse: DVec3,
     backwards: [bool; 3],
-    /// The path's reach, and what rounding the walls of a box can shift them by.
-    reach: DVec3,
 }
 
-impl Slabs {
+impl Line {
+    /// Makes a path ready.
+    #[must_use]
+    pub fn new(path: &Path) -> Self {
+        Self { path: *path, inverse: path.direction.recip(), backwards: signs(path.direction) }
+    }
+
+    /// As [`Path::entry`].
+    #[inline]
+    #[must_use]
+    pub fn entry(&self, bounds: &Aabb, limit: f64) -> Option<f64> {
+        Some(self.stay(bounds, limit)?.0)
+    }
+
+    /// The path's reach, and what rounding the walls of a box can shift them by.
+    ///
     /// Rounding, derived: a wall is computed as `fl(b ∓ reach)`, off by at most `u(|b| + reach)`, and `reach` itself
     /// was rounded when this slack was added; all other operations have relative errors in `t` only, which
     /// [`tolerance::SLAB_WIDENING`] covers. The path's own origin counts as well, because callers compute it from
     /// positions of that size. The largest component counts for all three, so that a component of the direction whose
     /// inverse overflows cannot lose a box whose wall is a denormal away.
-    fn new(path: &Path, bounds: &Aabb) -> Self {
+    #[inline]
+    fn reach(&self, bounds: &Aabb) -> DVec3 {
         let walls = bounds.min.abs().max(bounds.max.abs());
-        let magnitude = (walls + path.reach + path.origin.abs()).max_element();
-        Self {
-            origin: path.origin,
-            inverse: path.direction.recip(),
-            backwards: signs(path.direction),
-            reach: path.reach + magnitude * tolerance::SLAB_SLACK,
-        }
+        let magnitude = (walls + self.path.reach + self.path.origin.abs()).max_element();
+        self.path.reach + magnitude * tolerance::SLAB_SLACK
     }
 
     /// A `t` at or before the entry, and one at or after the exit; `None` if it is surely not entered up to `limit`.
     #[inline]
     fn stay(&self, bounds: &Aabb, limit: f64) -> Option<(f64, f64)> {
-        let (low, high) = (bounds.min - self.reach, bounds.max + self.reach);
-        let near = (select(self.backwards, high, low) - self.origin) * self.inverse;
-        let far = (select(self.backwards, low, high) - self.origin) * self.inverse;
+        let reach = self.reach(bounds);
+        let (low, high) = (bounds.min - reach, bounds.max + reach);
+        let near = (select(self.backwards, high, low) - self.path.origin) * self.inverse;
+        let far = (select(self.backwards, low, high) - self.path.origin) * self.inverse;
         // The origin in a wall and no motion across it is 0 · ∞ = NaN. As the first operand of these it drops out:
         // the wall counts as entered, which is the safe branch.
         let entry = larger(near.x, larger(near.y, larger(near.z, 0.0)));
@@ -107,20 +119,21 @@ pub(super) struct LocalPath {
     /// Of each axis: whether a box is entered by its upper plane and left by its lower one.
     is_backwards: [bool; 3],
     /// What is taken from the one and from the other: the origin, moved by the reach and by all that was rounded.
-    origin_entered: [Wide; 3],
-    origin_left: [Wide; 3],
-    inverse: [Wide; 3],
+    origin_entered: [Vec4; 3],
+    origin_left: [Vec4; 3],
+    inverse: [Vec4; 3],
     /// The `t` where `s` is 0, and where the cell is left.
     start: f64,
     end: f64,
-    /// `t` for each `s`.
-    unit: f64,
+    /// `s` for each `t`, a power of two.
+    per_unit: f64,
 }
 
 impl LocalPath {
     /// `None` if the box of the cell is surely not entered up to `limit`.
-    pub(super) fn new(path: &Path, bounds: &Aabb, cell: DVec3, limit: f64) -> Option<Self> {
-        let (start, end) = Slabs::new(path, bounds).stay(bounds, limit)?;
+    pub(super) fn new(line: &Line, bounds: &Aabb, cell: DVec3, limit: f64) -> Option<Self> {
+        let (start, end) = line.stay(bounds, limit)?;
+        let path = &line.path;
         let unit = towards_one(path.direction.abs().max_element());
         let direction = path.direction * unit;
         let origin = path.origin - cell + path.direction * start;
@@ -131,8 +144,8 @@ impl LocalPath {
         let slack = rounded * tolerance::TREE_SLACK + positions.max_element() * tolerance::SLAB_SLACK;
         let reach = path.reach + slack;
         let (low, high) = (origin - reach, origin + reach);
-        let backwards = signs(direction);
-        let splat = |v: DVec3| v.as_vec3().to_array().map(Wide::splat);
+        let backwards = line.backwards;
+        let splat = |v: DVec3| v.as_vec3().to_array().map(Vec4::splat);
         Some(Self {
             is_backwards: backwards,
             origin_entered: splat(select(backwards, low, high)),
@@ -140,13 +153,13 @@ impl LocalPath {
             inverse: direction.as_vec3().to_array().map(inverse),
             start,
             end,
-            unit,
+            per_unit: 1.0 / unit,
         })
     }
 
     /// The `s` of a limit, rounded up.
     pub(super) fn limit(&self, limit: f64) -> f32 {
-        ((limit.min(self.end) - self.start) / self.unit * tolerance::TREE_LIMIT_WIDENING) as f32
+        ((limit.min(self.end) - self.start) * self.per_unit * tolerance::TREE_LIMIT_WIDENING) as f32
     }
 
     /// The lanes whose boxes are entered before `limit`, and an `s` at or before which each is.
@@ -156,8 +169,9 @@ impl LocalPath {
             let is_backwards = self.is_backwards[axis];
             let entered = node.planes[axis + 3 * usize::from(is_backwards)];
             let left = node.planes[axis + 3 * usize::from(!is_backwards)];
-            let near = (entered - self.origin_entered[axis]) * self.inverse[axis];
-            let far = (left - self.origin_left[axis]) * self.inverse[axis];
+            let inverse = Wide::same(self.inverse[axis]);
+            let near = (entered - Wide::same(self.origin_entered[axis])) * inverse;
+            let far = (left - Wide::same(self.origin_left[axis])) * inverse;
             (near, far)
         });
         let entry = x.0.max(y.0).max(z.0.max(Wide::splat(0.0)));
@@ -168,8 +182,8 @@ impl LocalPath {
 
 /// 1 over a component of a direction. A finite number for 0, so that there is no 0 · ∞: whoever stands in a wall and does
 /// not move across it has entered at once, whoever stands outside enters beyond any limit.
-fn inverse(component: f32) -> Wide {
-    Wide::splat(component.recip().clamp(f32::MIN, f32::MAX))
+fn inverse(component: f32) -> Vec4 {
+    Vec4::splat(component.recip().clamp(f32::MIN, f32::MAX))
 }
 
 /// A power of two, by which a positive number comes to lie in [1, 2), or as near to it as a normal factor brings it.

@@ -15,8 +15,9 @@ use super::{
     forest::{Cell, Forest, Nodes, Rooted},
     local::LocalBox,
     node::{Child, Lanes, NO_NODE, Node, Target},
+    open::{Open, Opens, push_but_nearest},
     pairs::each_pair,
-    path::{LocalPath, Path},
+    path::{Line, LocalPath},
     wide::Wide,
 };
 use crate::{answer::Work, math::Aabb, tolerance};
@@ -63,14 +64,14 @@ pub trait Tree {
         visit: impl FnMut(&mut T, u32) -> Result<ControlFlow<()>, T::Stop>,
     ) -> Result<(), T::Stop>;
 
-    /// Visits every leaf whose box `path` enters at a `t` of at most `limit` (and maybe others), roughly in order. The
+    /// Visits every leaf whose box the path of `line` enters at a `t` of at most `limit` (and maybe others), roughly in order. The
     /// visitor returns the new limit; −∞ ends the search. A limit above the old one has no effect.
     ///
     /// # Errors
     /// What `toll` or `visit` returned.
     fn visit_ray<T: Toll>(
         &self,
-        path: &Path,
+        line: &Line,
         limit: f64,
         layers: u32,
         toll: &mut T,
@@ -132,7 +133,7 @@ impl<R: Rooted> Tree for R {
 
     fn visit_ray<T: Toll>(
         &self,
-        path: &Path,
+        line: &Line,
         limit: f64,
         layers: u32,
         toll: &mut T,
@@ -141,14 +142,14 @@ impl<R: Rooted> Tree for R {
         let forest = self.forest();
         let mut limit = limit;
         for large in self.listed_on(layers) {
-            if path.entry(&large.bounds, limit).is_some() {
+            if line.entry(&large.bounds, limit).is_some() {
                 limit = limit.min(visit(toll, large.leaf)?);
             }
         }
         let first_limit = limit;
-        let begins = |bounds: Aabb| path.entry(&bounds, first_limit);
+        let begins = |bounds: Aabb| line.entry(&bounds, first_limit);
         for cell in in_order(forest, begins) {
-            limit = follow(forest, cell, path, limit, layers, toll, &mut visit)?;
+            limit = follow(forest, cell, line, limit, layers, toll, &mut visit)?;
         }
         Ok(())
     }
@@ -218,7 +219,7 @@ pub(super) fn touch<T: Toll, N: Nodes>(
         return Ok(ControlFlow::Continue(()));
     }
     let query = LocalBox::around(query, cell.origin).splat();
-    let mut stack: SmallVec<[u32; 64]> = SmallVec::new();
+    let mut stack: SmallVec<[u32; 128]> = SmallVec::new();
     let mut next = Some(cell.root);
     while let Some(index) = next {
         toll.pay()?;
@@ -239,34 +240,27 @@ pub(super) fn touch<T: Toll, N: Nodes>(
     Ok(ControlFlow::Continue(()))
 }
 
-/// Something to look at, and where it begins.
-#[derive(Clone, Copy)]
-struct Open {
-    begins: f32,
-    child: Child,
-}
-
 /// The loop of a search along a path; the limit at its end.
 fn follow<T: Toll, N: Nodes>(
     forest: &Forest<N>,
     cell: &Cell,
-    path: &Path,
+    line: &Line,
     mut limit: f64,
     layers: u32,
     toll: &mut T,
     visit: &mut impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
 ) -> Result<f64, T::Stop> {
-    let Some(path) = LocalPath::new(path, &cell.bounds, cell.origin, limit) else {
+    let Some(path) = LocalPath::new(line, &cell.bounds, cell.origin, limit) else {
         return Ok(limit);
     };
     let mut local_limit = path.limit(limit);
-    let mut stack: SmallVec<[Open; 64]> = SmallVec::new();
-    let mut next = Some(Open { begins: 0.0, child: Child::node(cell.root) });
+    let mut stack: Opens = Opens::new();
+    let mut next = Some(Open::new(0.0, Child::node(cell.root)));
     while let Some(open) = next.take().or_else(|| stack.pop()) {
-        if open.begins > local_limit {
+        if open.begins() > local_limit {
             continue;
         }
-        match open.child.target() {
+        match open.child().target() {
             Target::Node(index) => {
                 toll.pay()?;
                 let node = forest.nodes.node(index);
@@ -286,27 +280,6 @@ fn follow<T: Toll, N: Nodes>(
     Ok(limit)
 }
 
-/// The lane to go on with, which is the nearest; the others are put on a stack so that the nearer ones come off first.
-fn push_but_nearest(stack: &mut SmallVec<[Open; 64]>, node: &Node, mut lanes: Lanes, entries: Wide) -> Option<Open> {
-    let entries = entries.to_array();
-    let open = |lane: usize| Open { begins: entries[lane], child: node.children[lane] };
-    let mut nearest = open(lanes.next()?);
-    let base = stack.len();
-    for lane in lanes {
-        let mut farther = open(lane);
-        if farther.begins < nearest.begins {
-            std::mem::swap(&mut nearest, &mut farther);
-        }
-        let mut at = stack.len();
-        stack.push(farther);
-        while at > base && stack[at - 1].begins < farther.begins {
-            stack.swap(at - 1, at);
-            at -= 1;
-        }
-    }
-    Some(nearest)
-}
-
 /// The loop of a search for the nearest; the limit at its end. Distances are squared in it.
 fn approach<T: Toll, N: Nodes>(
     forest: &Forest<N>,
@@ -321,21 +294,21 @@ fn approach<T: Toll, N: Nodes>(
     let mut limit_sq = squared(limit);
     let query = LocalBox::around(query, cell.origin).splat();
     // Open nodes and leaves, the farthest first.
-    let mut open: SmallVec<[Open; 128]> = SmallVec::new();
-    open.push(Open { begins: 0.0, child: Child::node(cell.root) });
+    let mut open: Opens = Opens::new();
+    open.push(Open::new(0.0, Child::node(cell.root)));
     while let Some(nearest) = open.pop() {
-        if nearest.begins > limit_sq {
+        if nearest.begins() > limit_sq {
             break;
         }
-        match nearest.child.target() {
+        match nearest.child().target() {
             Target::Node(index) => {
                 toll.pay()?;
                 let node = forest.nodes.node(index);
                 let distances_sq = distances_sq(node, &query);
                 let lanes = Lanes::of(distances_sq.at_most(Wide::splat(limit_sq)));
                 for lane in node.on_layers(lanes, layers).filter(|&lane| node.children[lane] != Child::NOTHING) {
-                    let found = Open { begins: distances_sq.get(lane), child: node.children[lane] };
-                    let at = open.partition_point(|other| other.begins > found.begins);
+                    let found = Open::new(distances_sq.get(lane), node.children[lane]);
+                    let at = open.partition_point(|other| *other > found);
                     open.insert(at, found);
                 }
             }

@@ -26,6 +26,12 @@ impl Wide {
         Self([Vec4::splat(value); 2])
     }
 
+    /// The same four numbers twice.
+    #[inline]
+    pub(super) const fn same(four: Vec4) -> Self {
+        Self([four; 2])
+    }
+
     #[inline]
     pub(super) fn get(&self, lane: usize) -> f32 {
         self.0[lane / 4][lane % 4]

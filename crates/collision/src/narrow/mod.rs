@@ -18,11 +18,13 @@ use convex::PlacedConvex;
 pub use convex::Warm;
 pub use ray::{Faces, Ray, RayTouch, RayTouches, raycast};
 
+pub(crate) use ray::{Aim, raycast_of};
+
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Work},
     math::Pose,
-    shape::{Form, Geometry},
+    shape::{Form, Geometry, Simple},
 };
 
 /// A geometry at a pose.
@@ -45,6 +47,14 @@ impl<'a> Placed<'a> {
             Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) | Form::HalfSpace(_) => None,
         }
     }
+}
+
+/// A geometry at a pose that may have its form at hand, so that the geometry need not be read.
+#[derive(Clone, Copy)]
+pub(crate) struct Operand<'a> {
+    pub(crate) placed: Placed<'a>,
+    /// The same form, if it is simple.
+    pub(crate) simple: Option<&'a Simple>,
 }
 
 /// How far apart two placed geometries are.
@@ -144,6 +154,22 @@ pub fn distance(a: Placed<'_>, b: Placed<'_>, limit: f64, accuracy: &Accuracy, w
     }
 }
 
+/// As [`distance`], of a form that may be at hand.
+pub(crate) fn distance_of(
+    a: Placed<'_>,
+    b: Operand<'_>,
+    limit: f64,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Option<Separation> {
+    if let (Some(a), Some(simple)) = (a.as_convex(), b.simple) {
+        let convex = simple.convex();
+        let b = PlacedConvex::new(&convex, b.placed.pose);
+        return convex::distance(a, b, limit, accuracy, work);
+    }
+    distance(a, b.placed, limit, accuracy, work)
+}
+
 /// As [`distance`], beginning where the last question about this pair ended: see [`Warm`]. Concave forms remember nothing.
 pub fn distance_warm(
     a: Placed<'_>,
@@ -171,6 +197,16 @@ pub fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Wor
         (Some(a), Some(b)) => convex::overlap(a, b, accuracy, work),
         _ => pieces::overlap(a, b, accuracy, work),
     }
+}
+
+/// As [`overlap`], of a form that may be at hand.
+pub(crate) fn overlap_of(a: Placed<'_>, b: Operand<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
+    if let (Some(a), Some(simple)) = (a.as_convex(), b.simple) {
+        let convex = simple.convex();
+        let b = PlacedConvex::new(&convex, b.placed.pose);
+        return convex::overlap(a, b, accuracy, work);
+    }
+    overlap(a, b.placed, accuracy, work)
 }
 
 /// Whether two convex geometries, or a half space and any form but a compound, come within `margin` metres (at least 0) of each other; otherwise `None` if one is concave, whose
@@ -319,6 +355,22 @@ pub fn impact(
         (Some(a), Some(b)) => convex::impact(a, b, motion, [DVec3::ZERO; 2], accuracy, work),
         _ => pieces::impact(a, b, motion, accuracy, work),
     }
+}
+
+/// As [`impact`], of a form that may be at hand.
+pub(crate) fn impact_of(
+    a: Placed<'_>,
+    b: Operand<'_>,
+    motion: &Motion,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Option<ImpactTouch> {
+    if let (Some(a), Some(simple)) = (a.as_convex(), b.simple) {
+        let convex = simple.convex();
+        let b = PlacedConvex::new(&convex, b.placed.pose);
+        return convex::impact(a, b, motion, [DVec3::ZERO; 2], accuracy, work);
+    }
+    impact(a, b.placed, motion, accuracy, work)
 }
 
 /// The question needs convex parts, which a mesh, be it part of a compound, does not have yet.

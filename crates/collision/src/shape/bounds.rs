@@ -14,7 +14,7 @@ use crate::{
 /// The local box of a form; exact but for a radius around a core, which is rounded outwards.
 pub(super) fn local_bounds(form: &Form) -> Aabb {
     match form {
-        Form::Mesh(mesh) => around(mesh.vertices()),
+        Form::Mesh(mesh) => mesh.bounds(),
         Form::Convex(convex) => convex.local_bounds(),
         Form::HalfSpace(half_space) => half_space.bounds(&Pose::IDENTITY),
         Form::Compound(compound) => compound.bounds(),

@@ -42,7 +42,6 @@ pub enum Form {
 pub struct Geometry {
     reach: f64,
     form: Form,
-    local_bounds: Aabb,
     id: OnceLock<GeometryId>,
 }
 
@@ -234,8 +233,8 @@ impl Geometry {
             let fits = value == 0.0 || is_size(value * scale);
             fits.then_some(value * scale).ok_or_else(|| fail("such that sizes stay from 1e-9 to 1e9 metres"))
         };
-        let is_bounded = !matches!(self.form, Form::HalfSpace(_));
-        let fits = self.local_bounds.min.abs().max(self.local_bounds.max.abs()).max_element() * scale;
+        let (is_bounded, bounds) = (!matches!(self.form, Form::HalfSpace(_)), self.local_bounds());
+        let fits = bounds.min.abs().max(bounds.max.abs()).max_element() * scale;
         if is_bounded && fits > Limits::COORDINATE {
             return Err(fail("such that coordinates stay within 1e12 metres"));
         }
@@ -284,7 +283,7 @@ impl Geometry {
     /// Its local bounds, rounded outwards; those of a half space end at [`Limits::HALF_SPACE_BOX`].
     #[must_use]
     pub fn local_bounds(&self) -> Aabb {
-        self.local_bounds
+        local_bounds(&self.form)
     }
 
     /// The canonical box of this form at a pose: rounded outwards, so that it surely holds every point of the shape.
@@ -352,6 +351,6 @@ impl Geometry {
     }
 
     pub(super) fn of(form: Form) -> Self {
-        Self { local_bounds: local_bounds(&form), reach: reach(&form), form, id: OnceLock::new() }
+        Self { reach: reach(&form), form, id: OnceLock::new() }
     }
 }

@@ -4,7 +4,7 @@ use std::{collections::HashMap, sync::OnceLock};
 
 use glam::DVec3;
 
-use super::adjacency::Adjacency;
+use super::{adjacency::Adjacency, bounds::around};
 use crate::{
     broad::StaticTree,
     math::{Aabb, expansion::ExactVector},
@@ -17,6 +17,7 @@ pub struct Mesh {
     triangles: Vec<[u32; 3]>,
     /// The number each triangle was sent with; empty if none was left out before it.
     sent_numbers: Vec<u32>,
+    bounds: Aabb,
     triangles_sent: usize,
     merged_vertices: usize,
     adjacency: OnceLock<Adjacency>,
@@ -62,6 +63,7 @@ impl Mesh {
             vertices: Vec::new(),
             triangles: Vec::with_capacity(triangles.len()),
             sent_numbers: Vec::new(),
+            bounds: around(&[]),
             triangles_sent,
             merged_vertices,
             adjacency: OnceLock::new(),
@@ -86,7 +88,13 @@ impl Mesh {
         if mesh.triangles.len() == triangles_sent {
             mesh.sent_numbers = Vec::new();
         }
+        mesh.bounds = around(&mesh.vertices);
         mesh
+    }
+
+    /// The local box, exact.
+    pub(super) fn bounds(&self) -> Aabb {
+        self.bounds
     }
 
     /// The distinct vertices that triangles use, in order of first use.

@@ -20,6 +20,7 @@ mod mesh;
 mod planar;
 mod quickhull;
 mod scale;
+mod simple;
 mod simplify;
 mod solid;
 mod topology;
@@ -39,3 +40,5 @@ pub use mesh::{Mesh, MeshReport};
 pub use simplify::Simplified;
 pub use solid::Containment;
 pub use topology::{Edge, Face, Span, Topology};
+
+pub(crate) use simple::Simple;

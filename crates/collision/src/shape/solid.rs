@@ -24,7 +24,7 @@ use robust::{Coord, Coord3D, orient2d, orient3d};
 use super::Mesh;
 use crate::{
     answer::Work,
-    broad::{ALL_LAYERS, Path, Tree},
+    broad::{self, ALL_LAYERS, Path, Tree},
     math::Aabb,
     tolerance::EXACT_PART_MIN,
 };
@@ -83,7 +83,7 @@ impl Mesh {
         }
         let line = Line::to_nearest_wall(point, bounds);
         let mut windings = Some(0);
-        let Ok(()) = self.tree().visit_ray(&line.path(), line.limit, ALL_LAYERS, work, |_, leaf| {
+        let Ok(()) = self.tree().visit_ray(&broad::Line::new(&line.path()), line.limit, ALL_LAYERS, work, |_, leaf| {
             let corners = self.corners(leaf as usize);
             windings = windings.and_then(|sum: i64| Some(sum + line.passes(corners)?));
             Ok::<f64, Infallible>(if windings.is_none() { f64::NEG_INFINITY } else { line.limit })

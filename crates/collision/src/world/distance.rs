@@ -68,7 +68,7 @@ impl Distance {
             return None;
         }
         let limit = self.max_distance;
-        let mut separation = narrow::distance(subject.placed, other.placed, limit, accuracy, &mut meter.work)?;
+        let mut separation = narrow::distance_of(subject.placed, other.operand(), limit, accuracy, &mut meter.work)?;
         raise(&mut separation.distance, &mut separation.certificate, least);
         Some(Neighbor { id: other.id(), user_data: other.user_data(), separation })
     }

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Verdict},
-    broad::Path,
+    broad::{Line, Path},
     math::Aabb,
     narrow::{self, ImpactTouch, InitialTouch, Motion},
     tolerance,
@@ -88,10 +88,22 @@ pub(super) fn turning_bounds(side: &Side<'_>, rotation: DVec3) -> Aabb {
 }
 
 impl TimeOfImpact {
-    fn ask(&self, subject: &Side<'_>, other: &Side<'_>, accuracy: &Accuracy, meter: &mut Meter<'_>) -> Option<Impact> {
+    /// A fraction before which the boxes of what it is asked against prove that it is not touched; `None` if it never is.
+    fn least(&self, subject: &Side<'_>, against: &Side<'_>) -> Option<f64> {
         let (displacement_b, rotation_b) = self.motion_of_others();
         let path = sweep(turning_bounds(subject, self.rotation), self.displacement, displacement_b);
-        let least = path.entry(&turning_bounds(other, rotation_b), 1.0)?;
+        path.entry(&turning_bounds(against, rotation_b), 1.0)
+    }
+
+    /// The first touch of a pair, which is not before the fraction `least`.
+    fn ask(
+        &self,
+        (subject, other): (&Side<'_>, &Side<'_>),
+        least: f64,
+        accuracy: &Accuracy,
+        meter: &mut Meter<'_>,
+    ) -> Option<Impact> {
+        let (displacement_b, rotation_b) = self.motion_of_others();
         let motion = Motion {
             displacement_a: self.displacement,
             displacement_b,
@@ -99,7 +111,7 @@ impl TimeOfImpact {
             rotation_b,
             initial: self.initial,
         };
-        let mut touch = narrow::impact(subject.placed, other.placed, &motion, accuracy, &mut meter.work)?;
+        let mut touch = narrow::impact_of(subject.placed, other.operand(), &motion, accuracy, &mut meter.work)?;
         raise(&mut touch.fraction, &mut touch.certificate, least);
         Some(Impact { id: other.id(), user_data: other.user_data(), touch })
     }
@@ -129,18 +141,23 @@ impl Snapshot {
         let mut gathered = Gathered::new(question.mode);
         if let Some(other) = self.against(question.against.as_ref())? {
             meter.look()?;
-            gather(&mut gathered, question.ask(&subject, &other, accuracy, meter));
+            let least = question.least(&subject, &other);
+            let impact = least.and_then(|least| question.ask((&subject, &other), least, accuracy, meter));
+            gather(&mut gathered, impact);
             return Ok(gathered.finish());
         }
         let bounds = turning_bounds(&subject, question.rotation);
         let path = sweep(bounds, question.displacement, DVec3::ZERO);
+        let line = Line::new(&path);
         let sieve = Sieve::new(filter, subject.shape);
-        self.along(&path, 1.0, sieve.layers_seen(), meter, |meter, other| {
+        self.along(&line, 1.0, sieve.layers_seen(), meter, |meter, other| {
             let limit = gathered.limit().min(1.0);
-            let may_touch = path.entry(&other.bounds, limit).is_some_and(|least| least <= limit);
-            if may_touch && !other.is_sensor() && sieve.passes(&other) {
+            if let Some(least) = line.entry(&other.bounds, limit).filter(|&least| least <= limit)
+                && !other.is_sensor()
+                && sieve.passes(&other)
+            {
                 meter.look()?;
-                gather(&mut gathered, question.ask(&subject, &other, accuracy, meter));
+                gather(&mut gathered, question.ask((&subject, &other), least, accuracy, meter));
             }
             Ok(gathered.limit())
         })?;

@@ -86,7 +86,7 @@ fn touch(
     meter: &mut Meter<'_>,
 ) -> Result<Option<OverlapHit>, QuestionError> {
     meter.look()?;
-    let certificate = narrow::overlap(subject.placed, other.placed, accuracy, &mut meter.work);
+    let certificate = narrow::overlap_of(subject.placed, other.operand(), accuracy, &mut meter.work);
     Ok((certificate.verdict != Verdict::Miss).then(|| OverlapHit {
         id: other.id(),
         user_data: other.user_data(),

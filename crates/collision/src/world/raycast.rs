@@ -10,9 +10,9 @@ use super::{
 use crate::{
     accuracy::Accuracy,
     answer::Certificate,
-    broad::Path,
+    broad::{Line, Path},
     math::{Aabb, Norm},
-    narrow::{self, Ray, RayTouch},
+    narrow::{self, Aim, Ray, RayTouch},
     tolerance,
 };
 
@@ -52,7 +52,7 @@ impl Hit for RayHit {
 
 /// A ray as a path of the trees, which count multiples of the direction where the ray counts metres.
 struct Track {
-    path: Path,
+    line: Line,
     /// Length of the path's direction.
     length: f64,
 }
@@ -60,7 +60,8 @@ struct Track {
 impl Track {
     fn new(ray: &Ray) -> Self {
         let direction = ray.direction * power_of_two_towards_one(ray.direction.abs().max_element());
-        Self { path: Path { origin: ray.origin, direction, reach: DVec3::ZERO }, length: direction.norm() }
+        let path = Path { origin: ray.origin, direction, reach: DVec3::ZERO };
+        Self { line: Line::new(&path), length: direction.norm() }
     }
 
     /// The `t` of a distance, so much too large that no box is lost by it.
@@ -70,7 +71,7 @@ impl Track {
 
     /// Metres before which the ray does not enter the box of a shape; `None` if it does not up to `limit`.
     fn entry(&self, bounds: Aabb, limit: f64) -> Option<f64> {
-        let t = self.path.entry(&bounds, self.limit(limit))?;
+        let t = self.line.entry(&bounds, self.limit(limit))?;
         let distance = t * self.length * tolerance::SLAB_NARROWING;
         (distance <= limit).then_some(distance)
     }
@@ -100,17 +101,17 @@ impl Snapshot {
         meter: &mut Meter<'_>,
     ) -> Result<Found<RayHit>, QuestionError> {
         let ray = &question.ray;
-        let track = Track::new(ray);
+        let (track, aim) = (Track::new(ray), Aim::new(ray));
         let sieve = Sieve::new(filter, None);
         let mut gathered = Gathered::new(question.mode);
-        self.along(&track.path, track.limit(ray.max_distance), sieve.layers_seen(), meter, |meter, other| {
+        self.along(&track.line, track.limit(ray.max_distance), sieve.layers_seen(), meter, |meter, other| {
             let limit = gathered.limit().min(ray.max_distance);
             if let Some(least) = track.entry(other.bounds, limit)
                 && let Some(id) = other.id()
                 && sieve.passes(&other)
             {
                 meter.look()?;
-                let touches = narrow::raycast(ray, other.placed, accuracy, &mut meter.work);
+                let touches = narrow::raycast_of(&aim, other.operand(), accuracy, &mut meter.work);
                 let hit = |mut touch: RayTouch| {
                     raise(&mut touch.distance, &mut touch.certificate, least);
                     RayHit { id, user_data: other.user_data(), touch }
@@ -158,7 +159,7 @@ mod tests {
             let least = track.entry(bounds, 4e12).expect("it goes through");
             let mut offered = false;
             let tree = StaticTree::build(&[bounds]);
-            let Ok(()) = tree.visit_ray(&track.path, track.limit(least), ALL_LAYERS, &mut Work::default(), |_, _| {
+            let Ok(()) = tree.visit_ray(&track.line, track.limit(least), ALL_LAYERS, &mut Work::default(), |_, _| {
                 offered = true;
                 Ok(f64::INFINITY)
             });

@@ -13,16 +13,18 @@ use super::{
     store::{Entry, Slot},
 };
 use crate::{
-    broad::{DynamicTree, Path, Tree},
+    broad::{DynamicTree, Line, Tree},
     math::{Aabb, Pose},
-    narrow::Placed,
-    shape::{Form, Geometry},
+    narrow::{Operand, Placed},
+    shape::{Form, Geometry, Simple},
 };
 
 /// One side of a question: a form, where it is, and which shape of the world it is, if any.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side<'a> {
     pub(super) placed: Placed<'a>,
+    /// Its form, if that is simple and at hand.
+    pub(super) simple: Option<&'a Simple>,
     /// Where it is says `placed`, which for a past moment is made up; all else holds.
     pub(super) shape: Option<&'a Shape>,
     /// Its canonical box where it is placed.
@@ -31,16 +33,23 @@ pub(super) struct Side<'a> {
 
 impl<'a> Side<'a> {
     /// A shape of the world where it is.
+    #[inline]
     pub(super) fn of(entry: &'a Entry) -> Self {
         Self {
             placed: Placed { geometry: &entry.shape.geometry, pose: entry.shape.pose },
+            simple: entry.simple.as_ref(),
             shape: Some(&entry.shape),
             bounds: entry.bounds,
         }
     }
 
     pub(super) fn at(geometry: &'a Geometry, pose: Pose, shape: Option<&'a Shape>) -> Self {
-        Self { placed: Placed { geometry, pose }, shape, bounds: geometry.bounds(&pose) }
+        Self { placed: Placed { geometry, pose }, simple: None, shape, bounds: geometry.bounds(&pose) }
+    }
+
+    /// Itself for a kernel.
+    pub(super) fn operand(&self) -> Operand<'a> {
+        Operand { placed: self.placed, simple: self.simple }
     }
 
     /// Its id, if it is a shape of the world.
@@ -167,10 +176,10 @@ impl Snapshot {
         Ok(())
     }
 
-    /// Visits the shapes that `path` may enter at a `t` of at most `limit`. The visitor returns the new limit.
+    /// Visits the shapes that the path of `line` may enter at a `t` of at most `limit`. The visitor returns the new limit.
     pub(super) fn along<'m>(
         &self,
-        path: &Path,
+        line: &Line,
         limit: f64,
         layers: u32,
         meter: &mut Meter<'m>,
@@ -179,19 +188,19 @@ impl Snapshot {
         let trees = self.trees();
         let mut visitor = Visitor { limit, visit };
         if let Some(fixed) = trees.fixed {
-            fixed.tree.visit_ray(path, limit, layers, meter, |meter, leaf| {
+            fixed.tree.visit_ray(line, limit, layers, meter, |meter, leaf| {
                 visitor.visit(meter, trees.side_in(fixed.slot(leaf)))
             })?;
         }
         if let Some(moving) = trees.moving {
             let limit = visitor.limit;
             moving
-                .visit_ray(path, limit, layers, meter, |meter, leaf| visitor.visit(meter, trees.side_in(Slot(leaf))))?;
+                .visit_ray(line, limit, layers, meter, |meter, leaf| visitor.visit(meter, trees.side_in(Slot(leaf))))?;
         }
         if let Some(past) = trees.past {
             let limit = visitor.limit;
             past.tree()
-                .visit_ray(path, limit, layers, meter, |meter, leaf| visitor.visit(meter, past.side_of(leaf)))?;
+                .visit_ray(line, limit, layers, meter, |meter, leaf| visitor.visit(meter, past.side_of(leaf)))?;
         }
         Ok(())
     }
@@ -250,6 +259,7 @@ impl<'a> Trees<'a> {
     }
 
     /// The same, as a side of a question.
+    #[inline]
     fn side_in(&self, slot: Slot) -> Option<Side<'a>> {
         self.entry_in(slot).map(Side::of)
     }

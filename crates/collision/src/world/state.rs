@@ -148,7 +148,7 @@ impl State {
         let id = shape.id;
         self.bullet_count += usize::from(shape.bullet);
         let (bounds, layers) = (shape.geometry.bounds(&shape.pose), shape.layers);
-        let entry = Entry { shape, bounds };
+        let entry = Entry::new(shape, bounds);
         let is_static = entry.is_static();
         let slot = self.shapes.insert(entry);
         self.ids.insert(id, slot);

@@ -3,6 +3,7 @@
 use crate::{
     math::Aabb,
     pages::Pages,
+    shape::Simple,
     world::{Mobility, Shape},
 };
 
@@ -11,17 +12,24 @@ use crate::{
 pub(super) struct Slot(pub(super) u32);
 
 /// A shape and what is derived from it.
-/// In three cache lines: the box first, then of the shape what most questions read.
+/// In four cache lines, of which questions read the first three: the box, the form, and of the shape what comes first.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Entry {
     /// Its canonical box: the first judge of every question.
     pub(super) bounds: Aabb,
+    /// Its form, if that is simple; else its geometry has it.
+    pub(super) simple: Option<Simple>,
     /// The shape.
     pub(super) shape: Shape,
 }
 
 impl Entry {
+    /// A shape in a box.
+    pub(super) fn new(shape: Shape, bounds: Aabb) -> Self {
+        Self { bounds, simple: Simple::of(&shape.geometry), shape }
+    }
+
     /// Whether it is in the static tree, not in the dynamic one.
     pub(super) fn is_static(&self) -> bool {
         self.shape.mobility == Mobility::Static
@@ -29,11 +37,19 @@ impl Entry {
 
     /// Reads something of each line of memory that a kernel will want of it; what comes out means nothing.
     pub(super) fn read_ahead(&self) -> u64 {
-        u64::from(self.shape.group) ^ self.shape.pose.rotation.x.to_bits() ^ self.shape.geometry.read_ahead()
+        let form = match self.simple {
+            Some(_) => self.shape.pose.position.x.to_bits(),
+            None => self.shape.geometry.read_ahead(),
+        };
+        u64::from(self.shape.group) ^ form
     }
 }
 
 #[derive(Clone, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all places are taken, and an entry apart would be waited for twice"
+)]
 enum Place {
     Taken(Entry),
     /// Free; the next free one.

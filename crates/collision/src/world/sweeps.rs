@@ -27,7 +27,7 @@ use super::{
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
-    broad::{ALL_LAYERS, Path, StaticTree, Tree},
+    broad::{ALL_LAYERS, Line, Path, StaticTree, Tree},
     math::Aabb,
     narrow::{self, ImpactTouch, InitialTouch, Motion},
 };
@@ -203,7 +203,7 @@ impl Traffic<'_> {
         let mut meter = Meter::new(&mut go_on);
         let path = sweep(bullet.turning, bullet.displacement, DVec3::ZERO);
         let layers = bullet.side.shape.map_or(ALL_LAYERS, |shape| shape.collides_with);
-        let visited = self.new.along(&path, 1.0, layers, &mut meter, |_, side| {
+        let visited = self.new.along(&Line::new(&path), 1.0, layers, &mut meter, |_, side| {
             let travelled = |id: ShapeId| self.moving.binary_search_by_key(&id, |moving| moving.id).is_ok();
             if let Some(id) = side.id().filter(|&id| bullet.wants(&side) && !travelled(id)) {
                 let least = bullet.entry(&Moving::standing(side, id));

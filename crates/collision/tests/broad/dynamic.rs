@@ -8,7 +8,7 @@ use std::{
 use collision::{
     DVec3,
     answer::Work,
-    broad::{ALL_LAYERS, DynamicTree, Path, Refit, StaticTree, Tree},
+    broad::{ALL_LAYERS, DynamicTree, Line, Path, Refit, StaticTree, Tree},
     math::Aabb,
 };
 
@@ -25,7 +25,7 @@ fn found_by_box(tree: &impl Tree, query: Aabb) -> BTreeSet<u32> {
 
 fn found_by_ray(tree: &impl Tree, path: &Path) -> BTreeSet<u32> {
     let mut found = BTreeSet::new();
-    let Ok(()) = tree.visit_ray(path, 1.0, ALL_LAYERS, &mut Work::default(), |_, leaf| {
+    let Ok(()) = tree.visit_ray(&Line::new(path), 1.0, ALL_LAYERS, &mut Work::default(), |_, leaf| {
         found.insert(leaf);
         Ok(1.0)
     });

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, ops::ControlFlow};
 use collision::{
     DVec3,
     answer::Work,
-    broad::{ALL_LAYERS, Path, StaticTree, Tree, distance_at_least},
+    broad::{ALL_LAYERS, Line, Path, StaticTree, Tree, distance_at_least},
     math::Aabb,
 };
 
@@ -34,7 +34,7 @@ fn found_by_box(tree: &impl Tree, query: Aabb) -> Vec<u32> {
 
 fn found_by_ray(tree: &impl Tree, path: &Path, limit: f64) -> BTreeSet<u32> {
     let mut found = BTreeSet::new();
-    let Ok(()) = tree.visit_ray(path, limit, ALL_LAYERS, &mut Work::default(), |_, leaf| {
+    let Ok(()) = tree.visit_ray(&Line::new(path), limit, ALL_LAYERS, &mut Work::default(), |_, leaf| {
         found.insert(leaf);
         Ok(limit)
     });

@@ -111,8 +111,8 @@ fn what_nobody_asks_about_the_past_is_not_built() {
     let history = built(&world).swap_remove(1);
     assert_eq!((history.count, history.first_tick), (16, Tick::new(2)));
     let moves = 16 * 100 * 64;
-    // Whole versions among them take half as much again at most.
-    assert!((moves..moves + moves / 2).contains(&history.memory_bytes), "{}", history.memory_bytes);
+    // Whole versions among them take half as much again, and among so few ticks may be one more.
+    assert!((moves..2 * moves).contains(&history.memory_bytes), "{}", history.memory_bytes);
     let past = world.newest().at(Moment::Tick(Tick::MIN.saturating_add(20))).expect("it is held");
     assert_eq!(past.tick().get(), 21);
     let trees = built(&world).swap_remove(2);

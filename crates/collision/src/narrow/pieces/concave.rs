@@ -11,7 +11,7 @@ use glam::DVec3;
 use super::{Piece, Side};
 use crate::{
     answer::{Feature, Work},
-    broad::{ALL_LAYERS, Path, Tree},
+    broad::{ALL_LAYERS, Line, Path, Tree},
     math::{Aabb, Pose},
     narrow::{half_space::Body, place::Place},
     shape::{Compound, Convex, Core, Geometry, GeometryId, HeightField, Mesh, Standing},
@@ -179,10 +179,11 @@ impl<'a> Concave<'a> {
             return;
         }
         let each = |work: &mut Work, leaf| Ok::<_, Infallible>(self.with_piece(leaf, |piece| visit(piece, work)));
+        let line = Line::new(path);
         let Ok(()) = match self.kind {
-            Kind::Mesh(mesh) => mesh.tree().visit_ray(path, limit, ALL_LAYERS, work, each),
-            Kind::Compound(compound) => compound.tree().visit_ray(path, limit, ALL_LAYERS, work, each),
-            Kind::Field(field) => field.visit_ray(path, limit, ALL_LAYERS, work, each),
+            Kind::Mesh(mesh) => mesh.tree().visit_ray(&line, limit, ALL_LAYERS, work, each),
+            Kind::Compound(compound) => compound.tree().visit_ray(&line, limit, ALL_LAYERS, work, each),
+            Kind::Field(field) => field.visit_ray(&line, limit, ALL_LAYERS, work, each),
         };
     }
 

@@ -9,14 +9,14 @@ use std::convert::Infallible;
 use smallvec::SmallVec;
 
 use super::{
-    Ray, RayTouch, RayTouches,
+    Aim, Ray, RayTouch, RayTouches,
     frame::{LocalRay, Target},
     height_field, mesh, touches as touches_of_convex,
 };
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Verdict, Work},
-    broad::{ALL_LAYERS, Tree},
+    broad::{ALL_LAYERS, Line, Tree},
     math::{Norm, Pose, exact::exact_difference},
     narrow::place::Place,
     shape::{Compound, Form, Geometry},
@@ -35,7 +35,8 @@ pub(super) fn touches(
     let (origin, lost) = exact_difference(ray.origin, pose.position);
     let at_home = Place::seen_from(pose, pose.position);
     let place = Place { blur: lost.norm() * LENGTH_WIDENING, ..at_home };
-    let cast = Cast { ray: &Ray { origin, ..*ray }, accuracy };
+    let ray = Ray { origin, ..*ray };
+    let cast = Cast { aim: Aim::new(&ray), accuracy };
     let mut found = Found { certain: SmallVec::new(), undecided: SmallVec::new(), limit: f64::INFINITY };
     cast.search((compound, geometry), &place, 0, &mut found, work);
     let in_world = |touch: RayTouch| RayTouch { point: touch.point + pose.position, ..touch };
@@ -45,7 +46,7 @@ pub(super) fn touches(
 
 /// What is asked of each part.
 struct Cast<'a> {
-    ray: &'a Ray,
+    aim: Aim<'a>,
     accuracy: &'a Accuracy,
 }
 
@@ -60,25 +61,25 @@ impl Cast<'_> {
         work: &mut Work,
     ) {
         let center = Target::about_center(geometry, place.blur);
-        let local = LocalRay::new(self.ray, &place.pose, center);
+        let local = LocalRay::new(&self.aim, &place.pose, center);
         let Some(stretch) = local.stretch(center.radius) else {
             return;
         };
         let length = stretch.length.min(stretch.limit(found.limit));
-        let Ok(()) = compound.tree().visit_ray(&stretch.path, length, ALL_LAYERS, work, |work, leaf| {
+        let Ok(()) = compound.tree().visit_ray(&Line::new(&stretch.path), length, ALL_LAYERS, work, |work, leaf| {
             let part = &compound.parts()[leaf as usize];
             let place = place.of_part(&part.pose, part.geometry.reach());
             let number = first_leaf + compound.first_leaf(leaf as usize);
             match part.geometry.form() {
                 Form::Compound(inner) => self.search((inner, &part.geometry), &place, number, found, work),
                 Form::HeightField(field) => {
-                    found.offer(height_field::touches(self.ray, (field, &part.geometry), &place, work), number);
+                    found.offer(height_field::touches(&self.aim, (field, &part.geometry), &place, work), number);
                 }
                 Form::Mesh(mesh) => {
-                    found.offer(mesh::touches(self.ray, (mesh.as_ref(), &part.geometry), &place, work), number);
+                    found.offer(mesh::touches(&self.aim, (mesh.as_ref(), &part.geometry), &place, work), number);
                 }
                 Form::Convex(convex) => {
-                    let touches = touches_of_convex(self.ray, (convex, &part.geometry), &place, self.accuracy, work);
+                    let touches = touches_of_convex(&self.aim, (convex, &part.geometry), &place, self.accuracy, work);
                     found.offer(touches, number);
                 }
                 Form::HalfSpace(_) => unreachable!("a compound has no half space for a part"),

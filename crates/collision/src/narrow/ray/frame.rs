@@ -29,8 +29,8 @@ pub(super) struct Target {
 
 impl Target {
     /// Seen from the local origin: right for forms that lie about it.
-    pub(super) fn about_origin(geometry: &Geometry, blur: f64) -> Self {
-        Self { center: DVec3::ZERO, radius: geometry.reach(), reach: geometry.reach(), blur }
+    pub(super) fn about_origin(reach: f64, blur: f64) -> Self {
+        Self { center: DVec3::ZERO, radius: reach, reach, blur }
     }
 
     /// Seen from the middle of its box.
@@ -39,6 +39,23 @@ impl Target {
         let center = bounds.center();
         let half = (bounds.max - center).max(center - bounds.min);
         Self { center, radius: half.norm() * tolerance::LENGTH_WIDENING, reach: geometry.reach(), blur }
+    }
+}
+
+/// A ray with what of it is the same for all targets.
+pub(crate) struct Aim<'a> {
+    pub(super) ray: &'a Ray,
+    /// Its direction times a power of two.
+    scaled: DVec3,
+    /// The same as a unit vector.
+    unit: DVec3,
+}
+
+impl<'a> Aim<'a> {
+    /// Makes a ray ready.
+    pub(crate) fn new(ray: &'a Ray) -> Self {
+        let scaled = scaled_by_power_of_two(ray.direction);
+        Self { ray, scaled, unit: scaled / scaled.norm() }
     }
 }
 
@@ -81,9 +98,8 @@ pub(super) struct ExactRay {
 }
 
 impl LocalRay {
-    pub(super) fn new(ray: &Ray, pose: &Pose, target: Target) -> Self {
-        let scaled = scaled_by_power_of_two(ray.direction);
-        let unit = scaled / scaled.norm();
+    pub(super) fn new(aim: &Aim<'_>, pose: &Pose, target: Target) -> Self {
+        let Aim { ray, scaled, unit } = *aim;
         let (difference, lost) = exact_difference(ray.origin, pose.position);
         let turned = pose.rotation.xyz() != DVec3::ZERO;
         let axes = turned.then(|| pose.matrix());

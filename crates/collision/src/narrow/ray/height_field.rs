@@ -5,7 +5,7 @@
 //! counter-clockwise seen from outside, so its front is the outside of the body.
 
 use super::{
-    Faces, Ray, RayTouch, RayTouches,
+    Aim, Faces, RayTouch, RayTouches,
     crossing::certificate,
     frame::{LocalRay, Target},
     mesh,
@@ -18,16 +18,16 @@ use crate::{
 
 /// What a ray touches of a height field.
 pub(super) fn touches(
-    ray: &Ray,
+    aim: &Aim<'_>,
     (field, geometry): (&HeightField, &Geometry),
     place: &Place,
     work: &mut Work,
 ) -> RayTouches {
-    if ray.hollow || ray.faces != Faces::Both {
-        return mesh::touches(ray, (field, geometry), place, work);
+    if aim.ray.hollow || aim.ray.faces != Faces::Both {
+        return mesh::touches(aim, (field, geometry), place, work);
     }
     let center = Target::about_center(geometry, place.blur);
-    let local = LocalRay::new(ray, &place.pose, center);
+    let local = LocalRay::new(aim, &place.pose, center);
     if local.passes_ball(center.radius) {
         return RayTouches::default();
     }
@@ -44,9 +44,9 @@ pub(super) fn touches(
     };
     match field.standing(begin, 2.0 * local.error) {
         Standing::Inside(_) => RayTouches { certain: Some(inside(Verdict::Hit)), undecided: None },
-        Standing::Outside => mesh::touches(ray, (field, geometry), place, work),
+        Standing::Outside => mesh::touches(aim, (field, geometry), place, work),
         Standing::Open(_) => {
-            let skin = mesh::touches(ray, (field, geometry), place, work);
+            let skin = mesh::touches(aim, (field, geometry), place, work);
             let mut open = inside(Verdict::Undecided);
             if let Some(other) = skin.undecided {
                 open.certificate.bound.upper = other.certificate.bound.upper;

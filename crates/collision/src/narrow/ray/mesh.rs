@@ -12,7 +12,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::{
-    Faces, Ray, RayTouch, RayTouches,
+    Aim, Faces, RayTouch, RayTouches,
     crossing::certificate,
     frame::{LocalRay, Target},
     surface::Surface,
@@ -20,7 +20,7 @@ use super::{
 };
 use crate::{
     answer::{Bound, Feature, Verdict, Work},
-    broad::{ALL_LAYERS, Tree},
+    broad::{ALL_LAYERS, Line, Tree},
     math::Pose,
     narrow::place::Place,
     shape::Geometry,
@@ -40,22 +40,22 @@ struct Candidate {
 
 /// What a ray touches of a surface of triangles.
 pub(super) fn touches<S: Surface>(
-    ray: &Ray,
+    aim: &Aim<'_>,
     (mesh, geometry): (&S, &Geometry),
     place: &Place,
     work: &mut Work,
 ) -> RayTouches {
     let center = Target::about_center(geometry, place.blur);
-    let local = LocalRay::new(ray, &place.pose, center);
+    let local = LocalRay::new(aim, &place.pose, center);
     let Some(stretch) = local.stretch(center.radius) else {
         return RayTouches::default();
     };
     let sight = Sight::new(&local, center.center);
     let mut found = Found::default();
-    let Ok(()) = mesh.tree().visit_ray(&stretch.path, stretch.length, ALL_LAYERS, work, |work, leaf| {
+    let Ok(()) = mesh.tree().visit_ray(&Line::new(&stretch.path), stretch.length, ALL_LAYERS, work, |work, leaf| {
         work.pairs_tested += 1;
         work.iterations += 1;
-        found.offer(candidate(&sight, mesh, leaf as usize, ray.faces));
+        found.offer(candidate(&sight, mesh, leaf as usize, aim.ray.faces));
         Ok::<f64, Infallible>(stretch.limit(found.limit))
     });
     found.touches(&local, mesh, &place.pose)

@@ -28,6 +28,7 @@ mod triangle;
 
 use glam::DVec3;
 
+pub(crate) use self::frame::Aim;
 use self::{
     advance::Rounded,
     cone::Cone,
@@ -36,11 +37,11 @@ use self::{
     nearest::Solid,
     round::Round,
 };
-use super::{Placed, place::Place};
+use super::{Operand, Placed, place::Place};
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Feature, Work},
-    math::Norm,
+    math::{Norm, Pose},
     shape::{Convex, Core, Form, Geometry, Hull, Span},
 };
 
@@ -136,40 +137,60 @@ pub struct RayTouches {
 /// assert!(touch.certificate.bound.contains(1e9 - 1.0));
 /// ```
 pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> RayTouches {
-    let Placed { geometry, pose } = target;
+    raycast_of(&Aim::new(ray), Operand { placed: target, simple: None }, accuracy, work)
+}
+
+/// As [`raycast`], with a ray that was made ready, and a target that may be at hand.
+pub(crate) fn raycast_of(aim: &Aim<'_>, target: Operand<'_>, accuracy: &Accuracy, work: &mut Work) -> RayTouches {
+    let Operand { placed: Placed { geometry, pose }, simple } = target;
+    if let Some(simple) = simple {
+        let about = Target::about_origin(simple.reach(), 0.0);
+        return convex_touches(aim, &simple.convex(), (about, &pose), accuracy, work);
+    }
     match geometry.form() {
-        Form::Mesh(mesh) => mesh::touches(ray, (mesh.as_ref(), geometry), &Place::of(pose), work),
+        Form::Mesh(mesh) => mesh::touches(aim, (mesh.as_ref(), geometry), &Place::of(pose), work),
         Form::HalfSpace(half_space) => {
             work.pairs_tested += 1;
             work.iterations += 1;
-            half_space::touches(ray, half_space, &pose)
+            half_space::touches(aim.ray, half_space, &pose)
         }
-        Form::Convex(convex) => touches(ray, (convex, geometry), &Place::of(pose), accuracy, work),
-        Form::HeightField(field) => height_field::touches(ray, (field, geometry), &Place::of(pose), work),
-        Form::Compound(compound) => compound::touches(ray, (compound, geometry), &pose, accuracy, work),
+        Form::Convex(convex) => touches(aim, (convex, geometry), &Place::of(pose), accuracy, work),
+        Form::HeightField(field) => height_field::touches(aim, (field, geometry), &Place::of(pose), work),
+        Form::Compound(compound) => compound::touches(aim.ray, (compound, geometry), &pose, accuracy, work),
     }
 }
 
 /// What a ray touches of a convex body.
 fn touches(
-    ray: &Ray,
+    aim: &Aim<'_>,
     (convex, geometry): (&Convex, &Geometry),
     place: &Place,
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> RayTouches {
-    work.pairs_tested += 1;
-    work.iterations += 1;
     let about = match &convex.core {
         Core::Point
         | Core::Segment { .. }
         | Core::Cuboid { .. }
         | Core::Cylinder { .. }
         | Core::Cone { .. }
-        | Core::Ellipsoid { .. } => Target::about_origin(geometry, place.blur),
+        | Core::Ellipsoid { .. } => Target::about_origin(geometry.reach(), place.blur),
         Core::Hull(_) | Core::Triangle(_) => Target::about_center(geometry, place.blur),
     };
-    let local = LocalRay::new(ray, &place.pose, about);
+    convex_touches(aim, convex, (about, &place.pose), accuracy, work)
+}
+
+#[inline]
+fn convex_touches(
+    aim: &Aim<'_>,
+    convex: &Convex,
+    (about, pose): (Target, &Pose),
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> RayTouches {
+    work.pairs_tested += 1;
+    work.iterations += 1;
+    let local = LocalRay::new(aim, pose, about);
     if local.passes_ball(about.radius) {
         return RayTouches::default();
     }
@@ -178,7 +199,7 @@ fn touches(
         (None, true) => rounded_crossing(&local, convex, about, accuracy, work),
         (None, false) => core_crossing(&local, &convex.core, about.center),
     };
-    crossing.map_or_else(RayTouches::default, |crossing| crossing.touches(ray, &local, &place.pose))
+    crossing.map_or_else(RayTouches::default, |crossing| crossing.touches(aim.ray, &local, pose))
 }
 
 /// Forms around a point or a segment have formulas with any radius. `None`: it is none of them.

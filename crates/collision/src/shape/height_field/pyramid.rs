@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 
 use super::HeightField;
 use crate::{
-    broad::{Path, Toll, Tree, distance_at_least},
+    broad::{Line, Toll, Tree, distance_at_least},
     math::Aabb,
 };
 
@@ -233,13 +233,13 @@ impl Tree for HeightField {
 
     fn visit_ray<T: Toll>(
         &self,
-        path: &Path,
+        line: &Line,
         limit: f64,
         _layers: u32,
         toll: &mut T,
         visit: impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
     ) -> Result<(), T::Stop> {
-        self.search(limit, toll, |bounds, limit| path.entry(bounds, limit), visit)
+        self.search(limit, toll, |bounds, limit| line.entry(bounds, limit), visit)
     }
 
     fn visit_nearest<T: Toll>(

@@ -71,7 +71,7 @@ impl Span {
         let shape = self.shape(track);
         let pose = track.pose(instant.at, instant.fraction, &self.placements);
         let placed = Placed { geometry: &shape.geometry, pose };
-        Some(Side { placed, shape: Some(shape), bounds: shape.geometry.bounds(&pose) })
+        Some(Side { placed, simple: None, shape: Some(shape), bounds: shape.geometry.bounds(&pose) })
     }
 
     /// A shape at an instant, by its id.
