@@ -291,10 +291,10 @@ impl Cut {
     fn apply(&self, range: &mut [Item]) -> (usize, LocalBox, LocalBox) {
         let mut count = 0;
         for at in 0..range.len() {
-            if self.grid.bins_of(&range[at])[self.axis] <= self.last_left_bin {
-                range.swap(count, at);
-                count += 1;
-            }
+            // Without a branch, for no processor foresees it: what is between the two positions goes right, in any order.
+            let is_left = self.grid.bins_of(&range[at])[self.axis] <= self.last_left_bin;
+            range.swap(count, at);
+            count += usize::from(is_left);
         }
         (count, self.left, self.right)
     }
@@ -310,7 +310,8 @@ fn best_cut<const BINS: usize>(range: &[Item], low: Vec3A, extent: Vec3A) -> Opt
             bins[bin].add(Bin { bounds: item.bounds, count: 1 });
         }
     }
-    let mut best: Option<(f32, usize, usize, usize)> = None;
+    // The cost, which is at least 0, and after it the imbalance; again without branches.
+    let (mut best, mut best_at) = (u64::MAX, (0, 0));
     for (axis, bins) in bins.iter().enumerate() {
         if grid.scale[axis] == 0.0 {
             continue;
@@ -325,18 +326,17 @@ fn best_cut<const BINS: usize>(range: &[Item], low: Vec3A, extent: Vec3A) -> Opt
         for last_left_bin in 0..BINS - 1 {
             left.add(bins[last_left_bin]);
             let count_right = range.len() - left.count;
-            if left.count == 0 || count_right == 0 {
-                continue;
-            }
             let (cost, imbalance) = (left.cost() + cost_right[last_left_bin], left.count.abs_diff(count_right));
-            let is_better =
-                best.is_none_or(|(least, most_even, ..)| cost < least || (cost <= least && imbalance < most_even));
-            if is_better {
-                best = Some((cost, imbalance, axis, last_left_bin));
-            }
+            let is_cut = (left.count != 0) & (count_right != 0);
+            let key = if is_cut { u64::from(cost.to_bits()) << 32 | imbalance as u64 } else { u64::MAX };
+            best_at = if key < best { (axis, last_left_bin) } else { best_at };
+            best = best.min(key);
         }
     }
-    let (_, _, axis, last_left_bin) = best?;
+    if best == u64::MAX {
+        return None;
+    }
+    let (axis, last_left_bin) = best_at;
     let (left, right) = bins[axis].split_at(last_left_bin + 1);
     let all = |bins: &[Bin]| bins.iter().fold(LocalBox::NOTHING, |all, bin| all.union(bin.bounds));
     Some(Cut { grid, axis, last_left_bin, left: all(left), right: all(right) })
