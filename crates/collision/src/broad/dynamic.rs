@@ -100,11 +100,16 @@ impl DynamicTree {
     /// If it is in the tree, or 2²⁸ or more.
     pub fn insert(&mut self, leaf: u32, bounds: Aabb, margin: f64, layers: u32) {
         assert!(leaf < 1 << 28, "leaf numbers are below 2^28");
-        while self.places.len() <= leaf as usize {
+        while self.places.len() < leaf as usize {
             self.places.push(Place::Absent);
         }
-        assert_eq!(self.places[leaf as usize], Place::Absent, "leaf {leaf} is in the tree");
-        self.places[leaf as usize] = Place::Waiting(self.waiting.len() as u32);
+        let place = Place::Waiting(self.waiting.len() as u32);
+        if self.places.len() == leaf as usize {
+            self.places.push(place);
+        } else {
+            assert_eq!(self.places[leaf as usize], Place::Absent, "leaf {leaf} is in the tree");
+            self.places[leaf as usize] = place;
+        }
         self.waiting.push(Large { leaf, bounds: bounds.inflated(margin), layers });
         self.leaf_count += 1;
     }
@@ -168,27 +173,27 @@ impl DynamicTree {
         if node.lane(lane_of_node).contains(LocalBox::around(bounds, origin)) {
             return Refit::Kept;
         }
-        let layers = node.layers[lane_of_node];
         let fat = bounds.inflated(margin);
         if !self.forest.stays(cell.into(), fat) {
+            let layers = node.layers[lane_of_node];
             self.remove(leaf);
             self.insert(leaf, bounds, margin, layers);
             return Refit::Reinserted;
         }
         let local = LocalBox::around(fat, origin);
-        let mut changed = *node;
-        changed.set_box(lane_of_node, local);
+        let changed = node.bounds_with(lane_of_node, local);
         let parent = self.parents[index];
         let may_stay = parent >= ROOT || {
             let before = self.forest.nodes[parent as usize / LANES].lane(parent as usize % LANES).half_area();
-            let growth = changed.bounds().half_area() - before;
+            let growth = changed.half_area() - before;
             node.lane(lane_of_node).touches(local) && growth <= local.half_area() * GROWTH_IN_PLACE
         };
         if may_stay {
-            self.forest.nodes[index] = changed;
-            self.refit_from(index as u32);
+            self.forest.nodes[index].set_box(lane_of_node, local);
+            self.refit_boxes_from(index as u32, changed);
             return Refit::Enlarged;
         }
+        let layers = node.layers[lane_of_node];
         self.unlink(lane);
         self.link(cell, Item { bounds: local, leaf, layers });
         self.changed_count += 1;

@@ -122,11 +122,17 @@ impl Node {
 
     /// The box of everything below.
     pub(super) fn bounds(&self) -> LocalBox {
-        let [min_x, min_y, min_z, max_x, max_y, max_z] = self.planes;
-        LocalBox {
-            min: Vec3A::new(min_x.min_element(), min_y.min_element(), min_z.min_element()),
-            max: Vec3A::new(max_x.max_element(), max_y.max_element(), max_z.max_element()),
+        bounds_of(&self.planes)
+    }
+
+    /// The box of everything below if the box of a lane were another.
+    pub(super) fn bounds_with(&self, lane: usize, bounds: LocalBox) -> LocalBox {
+        let mut planes = self.planes;
+        for axis in 0..3 {
+            planes[axis].set(lane, bounds.min[axis]);
+            planes[axis + 3].set(lane, bounds.max[axis]);
         }
+        bounds_of(&planes)
     }
 
     /// The layers of everything below.
@@ -186,6 +192,13 @@ impl Node {
     }
 }
 
+fn bounds_of([min_x, min_y, min_z, max_x, max_y, max_z]: &[Wide; 6]) -> LocalBox {
+    LocalBox {
+        min: Vec3A::new(min_x.min_element(), min_y.min_element(), min_z.min_element()),
+        max: Vec3A::new(max_x.max_element(), max_y.max_element(), max_z.max_element()),
+    }
+}
+
 /// A set of lanes, and the iterator over them from the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Lanes(u32);
@@ -193,6 +206,11 @@ pub(super) struct Lanes(u32);
 impl Lanes {
     pub(super) fn of(mask: Mask) -> Self {
         Self(mask.bits())
+    }
+
+    /// Those after a lane.
+    pub(super) fn after(self, lane: usize) -> Self {
+        Self(self.0 & (u32::MAX << 1) << lane)
     }
 }
 

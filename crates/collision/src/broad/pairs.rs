@@ -15,6 +15,7 @@ use smallvec::SmallVec;
 use super::{
     Toll,
     forest::{Cell, Forest, Nodes, Rooted},
+    local::LocalBox,
     node::{Child, LANES, NO_NODE, Node, Target},
     traverse::{ALL_LAYERS, touch},
 };
@@ -25,7 +26,7 @@ use crate::math::Aabb;
 enum Join {
     /// All pairs below a node.
     Within(u32),
-    /// Pairs of what is below one node and what is below another.
+    /// Pairs of what is below one node and what is below another, in these lanes.
     Between(u32, u32),
     /// Pairs of the leaf in a lane and what is below a node.
     LeafWith(u32, u32),
@@ -113,16 +114,15 @@ fn each_within<T: Toll, N: Nodes>(
                     if let Target::Node(below) = node.children[lane].target() {
                         open.push(Join::Within(below));
                     }
-                    let touching = node.touching(&node.lane(lane).splat());
-                    for other in touching.filter(|&other| other > lane) {
+                    for other in node.touching(&node.lane(lane).splat()).after(lane) {
                         pair((index, node, lane), (index, node, other), toll, &mut open, visit)?;
                     }
                 }
             }
-            Join::Between(a, b) => {
+            Join::Between(lane_a, lane_b) => {
+                let (Some(a), Some(b)) = (below(forest, lane_a), below(forest, lane_b)) else { continue };
                 let (node_a, node_b) = (forest.nodes.node(a), forest.nodes.node(b));
-                let near_b = node_a.touching(&node_b.bounds().splat());
-                for lane in near_b {
+                for lane in node_a.touching(&lane_of(forest, lane_b).splat()) {
                     for other in node_b.touching(&node_a.lane(lane).splat()) {
                         pair((a, node_a, lane), (b, node_b, other), toll, &mut open, visit)?;
                     }
@@ -131,7 +131,7 @@ fn each_within<T: Toll, N: Nodes>(
             Join::LeafWith(lane, index) => {
                 let (holder, node) = (forest.nodes.node(lane / LANES as u32), forest.nodes.node(index));
                 let at = lane as usize % LANES;
-                for other in node.touching(&holder.lane(at).splat()) {
+                for other in node.touching(&lane_of(forest, lane).splat()) {
                     pair((lane / LANES as u32, holder, at), (index, node, other), toll, &mut open, visit)?;
                 }
             }
@@ -140,10 +140,26 @@ fn each_within<T: Toll, N: Nodes>(
     Ok(())
 }
 
+/// The box in a lane: the node that it leads to has the same one, but would have to be asked for it lane by lane.
+#[inline]
+fn lane_of<N: Nodes>(forest: &Forest<N>, lane: u32) -> LocalBox {
+    forest.nodes.node(lane / LANES as u32).lane(lane as usize % LANES)
+}
+
+/// The node that a lane leads to.
+#[inline]
+fn below<N: Nodes>(forest: &Forest<N>, lane: u32) -> Option<u32> {
+    match forest.nodes.node(lane / LANES as u32).children[lane as usize % LANES].target() {
+        Target::Node(below) => Some(below),
+        Target::Leaf(_) | Target::Nothing => None,
+    }
+}
+
 /// A lane: the number of its node, the node, and the number of the lane in it.
 type Lane<'a> = (u32, &'a Node, usize);
 
 /// Two lanes whose boxes touch: leaves are visited, nodes wait.
+#[inline]
 fn pair<T: Toll>(
     a: Lane<'_>,
     b: Lane<'_>,
@@ -157,7 +173,7 @@ fn pair<T: Toll>(
         (Target::Leaf(leaf), Target::Leaf(other)) => visit(toll, leaf, other)?,
         (Target::Leaf(_), Target::Node(below)) => open.push(Join::LeafWith(number(a), below)),
         (Target::Node(below), Target::Leaf(_)) => open.push(Join::LeafWith(number(b), below)),
-        (Target::Node(first), Target::Node(second)) => open.push(Join::Between(first, second)),
+        (Target::Node(_), Target::Node(_)) => open.push(Join::Between(number(a), number(b))),
         (Target::Nothing, _) | (_, Target::Nothing) => {}
     }
     Ok(())

@@ -118,9 +118,10 @@ fn is_turned(pose: &Pose) -> bool {
 }
 
 fn turned_convex(convex: &Convex, reach: f64, pose: &Pose) -> Aabb {
-    let core = turned_core(&pose.matrix(), &convex.core);
-    let pad = add_up(convex.radius, reach * ROTATED_COORDINATE);
-    let turned = sum(core, symmetric(DVec3::splat(pad)));
+    let pad = symmetric(DVec3::splat(add_up(convex.radius, reach * ROTATED_COORDINATE)));
+    // A ball has no turn to see, and the very same box.
+    let is_ball = matches!(convex.core, Core::Point);
+    let turned = if is_ball { pad } else { sum(turned_core(&pose.matrix(), &convex.core), pad) };
     sum(turned, Aabb::new(pose.position, pose.position))
 }
 

@@ -2,7 +2,7 @@
 
 use collision::{
     answer::Work,
-    broad::{ALL_LAYERS, DynamicTree, StaticTree, Tree as _},
+    broad::{ALL_LAYERS, DynamicTree, StaticTree},
     math::Aabb,
 };
 
@@ -34,13 +34,30 @@ impl Tree {
 
     /// Every pair of leaves whose `boxes`, those that the tree was given, overlap; each pair once.
     pub(super) fn visit_pairs(&self, boxes: &[Aabb], mut visit: impl FnMut(u32, u32)) {
-        let Ok(()) = self.tree.visit_pairs(&mut Work::default(), |_, first, second| {
+        visit_pairs_of(&self.tree, boxes, &mut visit);
+    }
+}
+
+/// Pairs that are looked at together: their boxes lie anywhere in memory, and are waited for at the same time.
+const TOGETHER: usize = 64;
+
+fn visit_pairs_of(tree: &impl collision::broad::Tree, boxes: &[Aabb], visit: &mut impl FnMut(u32, u32)) {
+    let mut offered: Vec<(u32, u32)> = Vec::with_capacity(TOGETHER);
+    let mut look = |offered: &mut Vec<(u32, u32)>| {
+        for (first, second) in offered.drain(..) {
             if boxes[first as usize].intersects(boxes[second as usize]) {
                 visit(first, second);
             }
-            Ok(())
-        });
-    }
+        }
+    };
+    let Ok(()) = tree.visit_pairs(&mut Work::default(), |_, first, second| {
+        offered.push((first, second));
+        if offered.len() == TOGETHER {
+            look(&mut offered);
+        }
+        Ok(())
+    });
+    look(&mut offered);
 }
 
 /// A tree over boxes that do not change, built whole.
@@ -50,10 +67,5 @@ pub(super) fn bulk(boxes: &[Aabb]) -> StaticTree {
 
 /// Every pair of leaves whose boxes overlap; each pair once.
 pub(super) fn visit_pairs_of_bulk(tree: &StaticTree, boxes: &[Aabb], mut visit: impl FnMut(u32, u32)) {
-    let Ok(()) = tree.visit_pairs(&mut Work::default(), |_, first, second| {
-        if boxes[first as usize].intersects(boxes[second as usize]) {
-            visit(first, second);
-        }
-        Ok(())
-    });
+    visit_pairs_of(tree, boxes, &mut visit);
 }

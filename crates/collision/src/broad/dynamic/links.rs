@@ -10,6 +10,7 @@ use smallvec::SmallVec;
 use super::{DynamicTree, Place};
 use crate::broad::{
     build::{Item, build},
+    local::LocalBox,
     node::{Child, LANES, NO_NODE, Node, Target},
 };
 
@@ -128,17 +129,41 @@ impl DynamicTree {
         }
     }
 
+    /// As [`DynamicTree::refit_from`], where only the box of a node changed, to `bounds`.
+    pub(super) fn refit_boxes_from(&mut self, mut index: u32, mut bounds: LocalBox) {
+        loop {
+            let parent = self.parents[index as usize];
+            if parent >= ROOT {
+                self.forest.set_root((parent ^ ROOT) as usize, index);
+                return;
+            }
+            let (above, lane) = (&self.forest.nodes[parent as usize / LANES], parent as usize % LANES);
+            if above.lane(lane) == bounds {
+                return;
+            }
+            let grown = above.bounds_with(lane, bounds);
+            self.forest.nodes[parent as usize / LANES].set_box(lane, bounds);
+            (index, bounds) = (parent / LANES as u32, grown);
+        }
+    }
+
     /// Builds the nodes over `items` and links them where `parent` says.
     pub(super) fn build_below(&mut self, cell: u16, parent: u32, items: &mut [Item]) {
         let built = build(items);
-        let numbers: Vec<u32> = built.nodes.iter().map(|_| self.allocate(ROOT)).collect();
+        let numbers = self.numbers_for(built.nodes.len());
         for (mut node, (&number, &above)) in built.nodes.into_iter().zip(numbers.iter().zip(&built.parents)) {
             node.renumber(|index| numbers[index as usize]);
-            self.parents[number as usize] = match numbers.get(above as usize / LANES) {
+            let parent_of_node = match numbers.get(above as usize / LANES) {
                 Some(&above_number) => lane_number(above_number, above as usize % LANES),
                 None => parent,
             };
-            self.forest.nodes[number as usize] = node;
+            if number as usize == self.parents.len() {
+                self.parents.push(parent_of_node);
+                self.forest.nodes.push(node);
+            } else {
+                self.parents[number as usize] = parent_of_node;
+                self.forest.nodes[number as usize] = node;
+            }
             for lane in node.taken() {
                 if let Target::Leaf(leaf) = node.children[lane].target() {
                     self.places[leaf as usize] = Place::Lane { cell, lane: lane_number(number, lane) };
@@ -171,6 +196,20 @@ impl DynamicTree {
                 }
             }
         }
+    }
+
+    /// Numbers for so many nodes: first of those that are not used, then, in order, of those that are still to be pushed.
+    fn numbers_for(&mut self, count: usize) -> Vec<u32> {
+        let mut numbers = Vec::with_capacity(count);
+        while numbers.len() < count
+            && let Some(index) = self.unused.checked_sub(1)
+        {
+            self.unused = self.parents[index as usize];
+            numbers.push(index);
+        }
+        let pushed = self.parents.len() as u32;
+        numbers.extend(pushed..pushed + (count - numbers.len()) as u32);
+        numbers
     }
 
     fn allocate(&mut self, parent: u32) -> u32 {
