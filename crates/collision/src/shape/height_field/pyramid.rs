@@ -3,8 +3,8 @@
 //! # Method
 //! A block of level `n` has 2ⁿ cells along each side. From the second level up each block knows between which heights its
 //! part of the surface lies; blocks with a wall or of holes only say so too. Boxes follow from that and from the block's
-//! place. A search goes down from the one block that holds all, nearest first, and makes triangles of single cells only.
-//! What is below the surface is floor: it is met where a box reaches down to it.
+//! place. A search goes down from the one block that holds all, nearest first, and makes triangles of single cells only. Where
+//! it may reach the floor, boxes go down to that.
 //!
 //! # Source
 //! Tevs, Ihrke, Seidel, "Maximum mipmaps for fast, accurate, and scalable dynamic height field rendering" (2008), for the
@@ -52,6 +52,13 @@ struct Block {
     level: usize,
     column: usize,
     row: usize,
+}
+
+/// Whether a search may reach the floor.
+#[derive(Clone, Copy, PartialEq)]
+enum Floor {
+    IsWanted,
+    IsNot,
 }
 
 /// A block and where it begins on a path, or how far away it is.
@@ -146,9 +153,17 @@ impl HeightField {
         if self.has_wall(column, row) { Range { low: f32::NEG_INFINITY, ..range } } else { range }
     }
 
-    /// The boxes of the surface, with walls, and of the floor of a block; `None` if it has only holes.
-    fn boxes(&self, block: Block) -> Option<[Aabb; 2]> {
-        let range = self.pyramid().levels[block.level - LEAST_LEVEL].range(block);
+    /// That of a block of a level that is stored, or of a cell.
+    fn range_of(&self, block: Block) -> Range {
+        match block.level.checked_sub(LEAST_LEVEL) {
+            Some(stored) => self.pyramid().levels[stored].range(block),
+            None => self.range(block.column, block.row),
+        }
+    }
+
+    /// The box of the surface of a block with walls, and with its floor if that is wanted; `None` if it has only holes.
+    fn block_bounds(&self, block: Block, floor: Floor) -> Option<Aabb> {
+        let range = self.range_of(block);
         if range.low > range.high {
             return None;
         }
@@ -158,9 +173,9 @@ impl HeightField {
         let far_row = ((block.row + 1) * side).min(self.rows - 1);
         let (far_x, far_z) = self.sample_place(far_column, far_row);
         let height = |height: f32| f64::from(height) * self.spacing.y + 0.0;
-        let low = if range.low == f32::NEG_INFINITY { self.floor } else { height(range.low) };
-        let between = |low: f64, high: f64| Aabb::new(DVec3::new(x, low, z), DVec3::new(far_x, high, far_z));
-        Some([between(low, height(range.high)), between(self.floor, self.floor)])
+        let is_deep = floor == Floor::IsWanted || range.low == f32::NEG_INFINITY;
+        let low = if is_deep { self.floor } else { height(range.low) };
+        Some(Aabb::new(DVec3::new(x, low, z), DVec3::new(far_x, height(range.high), far_z)))
     }
 
     /// Goes down from the top: `begins` says where a box begins, or that nothing of it is wanted, given the limit; of open
@@ -172,11 +187,9 @@ impl HeightField {
         begins: impl Fn(&Aabb, f64) -> Option<f64>,
         mut visit: impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
     ) -> Result<(), T::Stop> {
-        let block_begins = |block: Block, limit: f64| {
-            let boxes = self.boxes(block)?;
-            let found = boxes.iter().filter_map(|bounds| begins(bounds, limit));
-            found.reduce(f64::min)
-        };
+        let level_floor = Aabb::new(self.bounds.min, self.bounds.max.with_y(self.floor));
+        let floor = if begins(&level_floor, limit).is_some() { Floor::IsWanted } else { Floor::IsNot };
+        let block_begins = |block: Block, limit: f64| begins(&self.block_bounds(block, floor)?, limit);
         // The first to begin is last.
         let mut open: SmallVec<[Open; 64]> = SmallVec::new();
         let top = self.pyramid().top();
@@ -196,11 +209,12 @@ impl HeightField {
                 continue;
             }
             let mut found: SmallVec<[(f64, u32); 64]> = SmallVec::new();
-            for cell in cells_of(self, block) {
-                self.leaves_of_cell(cell, |leaf, bounds| {
-                    found.extend(begins(&bounds, limit).map(|begins| (begins, leaf)));
-                    Ok::<(), T::Stop>(())
-                })?;
+            for (column, row) in cells_of(self, block) {
+                if block_begins(Block { level: 0, column, row }, limit).is_some() {
+                    self.each_leaf((column, row), |leaf, corners| {
+                        found.extend(begins(&around(corners), limit).map(|begins| (begins, leaf)));
+                    });
+                }
             }
             found.sort_by(|a, b| a.0.total_cmp(&b.0));
             for (begins, leaf) in found {
@@ -211,6 +225,11 @@ impl HeightField {
         }
         Ok(())
     }
+}
+
+/// The box of a triangle.
+fn around([a, b, c]: [DVec3; 3]) -> Aabb {
+    Aabb::new(a.min(b).min(c), a.max(b).max(c))
 }
 
 impl Tree for HeightField {
@@ -262,14 +281,16 @@ impl Tree for HeightField {
     ) -> Result<(), T::Stop> {
         for row in 0..self.rows - 1 {
             for column in 0..self.columns - 1 {
-                self.leaves_of_cell((column, row), |leaf, bounds| {
+                let mut leaves: SmallVec<[(u32, Aabb); 12]> = SmallVec::new();
+                self.each_leaf((column, row), |leaf, corners| leaves.push((leaf, around(corners))));
+                for (leaf, bounds) in leaves {
                     self.visit_box(bounds, u32::MAX, toll, |toll, other| {
                         if other > leaf {
                             visit(toll, leaf, other)?;
                         }
                         Ok(ControlFlow::Continue(()))
-                    })
-                })?;
+                    })?;
+                }
             }
         }
         Ok(())

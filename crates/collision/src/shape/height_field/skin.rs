@@ -7,12 +7,9 @@
 use glam::DVec3;
 
 use super::HeightField;
-use crate::math::Aabb;
 
-/// Leaves of a cell.
+/// Numbers of leaves in a cell; the last four name none.
 const LEAVES: usize = 16;
-/// Of which so many are triangles.
-const TRIANGLES: usize = 12;
 /// The next cell beyond each wall: along x, along z.
 const BEYOND: [(isize, isize); 4] = [(-1, 0), (1, 0), (0, -1), (0, 1)];
 
@@ -25,8 +22,11 @@ impl HeightField {
     /// The corners of a leaf.
     pub(crate) fn corners(&self, leaf: usize) -> [DVec3; 3] {
         let (column, row) = self.place_of(leaf / LEAVES);
-        let number = leaf % LEAVES;
-        let [a, b, c, d] = self.cell_corners(column, row);
+        self.triangle(leaf % LEAVES, self.cell_corners(column, row))
+    }
+
+    /// A triangle of a cell whose corners are known.
+    fn triangle(&self, number: usize, [a, b, c, d]: [DVec3; 4]) -> [DVec3; 3] {
         let down = |corner: DVec3| DVec3::new(corner.x, self.floor, corner.z);
         let wall = |from: DVec3, to: DVec3| match number % 2 {
             0 => [from, down(from), down(to)],
@@ -63,38 +63,28 @@ impl HeightField {
         }
     }
 
-    /// Calls `visit` with each leaf of a cell that is there, and its box.
-    pub(super) fn leaves_of_cell<Stop>(
-        &self,
-        (column, row): (usize, usize),
-        mut visit: impl FnMut(u32, Aabb) -> Result<(), Stop>,
-    ) -> Result<(), Stop> {
+    /// Calls `visit` with each leaf of a cell that is there, and its corners.
+    pub(super) fn each_leaf(&self, (column, row): (usize, usize), mut visit: impl FnMut(u32, [DVec3; 3])) {
         if !self.is_filled(column as isize, row as isize) {
-            return Ok(());
+            return;
         }
         let first = (row * (self.columns - 1) + column) * LEAVES;
-        for number in 0..TRIANGLES {
-            if number >= 4 {
-                let (x, z) = BEYOND[(number - 4) / 2];
-                if self.is_filled(column as isize + x, row as isize + z) {
-                    continue;
-                }
+        let corners = self.cell_corners(column, row);
+        let mut leaf = |number: usize| visit((first + number) as u32, self.triangle(number, corners));
+        (0..4).for_each(&mut leaf);
+        for (wall, (x, z)) in BEYOND.into_iter().enumerate() {
+            if !self.is_filled(column as isize + x, row as isize + z) {
+                leaf(4 + 2 * wall);
+                leaf(5 + 2 * wall);
             }
-            let [a, b, c] = self.corners(first + number);
-            visit((first + number) as u32, Aabb::new(a.min(b).min(c), a.max(b).max(c)))?;
         }
-        Ok(())
     }
 
-    /// Calls `visit` with each triangle of the skin and its cell, in order of leaves.
+    /// Calls `visit` with the cell and the corners of each triangle of the skin, in order of leaves.
     pub(crate) fn each_triangle(&self, mut visit: impl FnMut(usize, [DVec3; 3])) {
         for row in 0..self.rows - 1 {
             for column in 0..self.columns - 1 {
-                let all = self.leaves_of_cell((column, row), |leaf, _| {
-                    visit(Self::cell_of(leaf as usize), self.corners(leaf as usize));
-                    Ok::<(), std::convert::Infallible>(())
-                });
-                let Ok(()) = all;
+                self.each_leaf((column, row), |leaf, corners| visit(Self::cell_of(leaf as usize), corners));
             }
         }
     }
