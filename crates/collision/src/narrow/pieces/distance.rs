@@ -19,7 +19,7 @@ pub(in crate::narrow) fn distance(
 ) -> Option<Separation> {
     let Ordered { first, second, is_swapped, origin } = Ordered::new(a, b);
     let mut nearest = Nearest::within(limit);
-    nearest.search(first, second, accuracy, work);
+    nearest.search(&first, &second, accuracy, work);
     let mut found = nearest.merged()?;
     found.point_on_a += origin;
     found.point_on_b += origin;
@@ -41,7 +41,7 @@ impl Nearest {
     }
 
     /// Measures what may be nearest of two forms, nearest pieces first.
-    fn search(&mut self, a: Side<'_>, b: Side<'_>, accuracy: &Accuracy, work: &mut Work) {
+    fn search(&mut self, a: &Side<'_>, b: &Side<'_>, accuracy: &Accuracy, work: &mut Work) {
         match next(a, b) {
             Next::Ask(a, b) => {
                 if let Some(mut found) = convex::distance(a.placed(), b.placed(), self.limit, accuracy, work) {
@@ -49,23 +49,25 @@ impl Nearest {
                     self.offer(found);
                 }
             }
-            Next::AskSpace(pair, feature) => {
-                if let Some(mut found) = pair.distance(self.limit, work) {
+            Next::AskSpace(form, space) => {
+                if let Some((pair, feature)) = space.below(form)
+                    && let Some(mut found) = pair.distance(self.limit, work)
+                {
                     found.feature_a.part = feature.part;
                     self.offer(found);
                 }
             }
             Next::SplitFirst(a, b) => {
-                self.meet(Met::of_pair(&a, &b, work));
-                a.nearest_to(a.box_of(&b), self.limit, work, |piece, work| {
-                    self.search(piece, b, accuracy, work);
+                self.meet(Met::of_pair(a, b, work));
+                a.nearest_to(a.box_of(b), self.limit, work, |piece, work| {
+                    self.search(&piece, b, accuracy, work);
                     self.limit
                 });
             }
             Next::SplitSecond(a, b) => {
-                self.meet(Met::of_pair(&b, &a, work).map(Met::swapped));
-                b.nearest_to(b.box_of(&a), self.limit, work, |piece, work| {
-                    self.search(a, piece, accuracy, work);
+                self.meet(Met::of_pair(b, a, work).map(Met::swapped));
+                b.nearest_to(b.box_of(a), self.limit, work, |piece, work| {
+                    self.search(a, &piece, accuracy, work);
                     self.limit
                 });
             }

@@ -27,7 +27,7 @@ pub(in crate::narrow) fn impact(
     let Ordered { first: a, second: b, is_swapped, origin } = Ordered::new(a, b);
     let motion = if is_swapped { &motion.swapped() } else { motion };
     let mut first = First::default();
-    first.search(a, b, &Ask { motion, accuracy, skin: Skin::FromBothSides }, work);
+    first.search(&a, &b, &Ask { motion, accuracy, skin: Skin::FromBothSides }, work);
     let Candidate { mut touch, feature_a } = first.winner()?;
     touch.point += origin;
     if !is_swapped {
@@ -94,33 +94,35 @@ impl Default for First {
 }
 
 impl First {
-    fn search(&mut self, a: Side<'_>, b: Side<'_>, ask: &Ask<'_>, work: &mut Work) {
+    fn search(&mut self, a: &Side<'_>, b: &Side<'_>, ask: &Ask<'_>, work: &mut Work) {
         match next(a, b) {
             Next::Ask(a, b) => {
                 let arms = [a.place.arm, b.place.arm];
                 let touch = convex::impact(a.placed(), b.placed(), ask.motion, arms, ask.accuracy, work);
-                if let Some(touch) = touch.filter(|touch| !ask.leaves(&a, &b, touch)) {
+                if let Some(touch) = touch.filter(|touch| !ask.leaves(a, b, touch)) {
                     self.take(Candidate { touch: ImpactTouch { feature_b: b.feature, ..touch }, feature_a: a.feature });
                 }
             }
-            Next::AskSpace(pair, feature_a) => {
-                if let Some(touch) = pair.impact(ask.motion, ask.accuracy, work) {
+            Next::AskSpace(form, space) => {
+                if let Some((pair, feature_a)) = space.below(form)
+                    && let Some(touch) = pair.impact(ask.motion, ask.accuracy, work)
+                {
                     self.take(Candidate { touch, feature_a });
                 }
             }
             Next::SplitFirst(a, b) => {
-                let ask = &self.meet(Met::of_pair(&a, &b, work), ask);
-                let path = swept(&a, &b, &ask.motion.swapped());
+                let ask = &self.meet(Met::of_pair(a, b, work), ask);
+                let path = swept(a, b, &ask.motion.swapped());
                 a.along(&path, self.limit, work, |piece, work| {
-                    self.search(piece, b, ask, work);
+                    self.search(&piece, b, ask, work);
                     self.limit
                 });
             }
             Next::SplitSecond(a, b) => {
-                let ask = &self.meet(Met::of_pair(&b, &a, work).map(Met::swapped), ask);
-                let path = swept(&b, &a, ask.motion);
+                let ask = &self.meet(Met::of_pair(b, a, work).map(Met::swapped), ask);
+                let path = swept(b, a, ask.motion);
                 b.along(&path, self.limit, work, |piece, work| {
-                    self.search(a, piece, ask, work);
+                    self.search(a, &piece, ask, work);
                     self.limit
                 });
             }

@@ -154,38 +154,43 @@ impl<'a> Ordered<'a> {
 }
 
 /// What is done with a pair of sides next.
-enum Next<'a> {
+enum Next<'s, 'a> {
     /// The kernel for two convex forms is asked.
-    Ask(Piece<'a>, Piece<'a>),
-    /// The kernel for a half space is asked; with the number of the part that the form is.
-    AskSpace(half_space::Pair<'a>, Feature),
+    Ask(&'s Piece<'a>, &'s Piece<'a>),
+    /// The kernel for a half space is asked.
+    AskSpace(&'s Side<'a>, &'s Space<'a>),
     /// The first is taken apart.
-    SplitFirst(Concave<'a>, Side<'a>),
+    SplitFirst(&'s Concave<'a>, &'s Side<'a>),
     /// The second is.
-    SplitSecond(Side<'a>, Concave<'a>),
+    SplitSecond(&'s Side<'a>, &'s Concave<'a>),
 }
 
 /// The one rule of which side is taken apart: compounds before meshes before height fields, else the first if it can be.
-fn next<'a>(first: Side<'a>, second: Side<'a>) -> Next<'a> {
+#[inline]
+fn next<'s, 'a>(first: &'s Side<'a>, second: &'s Side<'a>) -> Next<'s, 'a> {
     match (first, second) {
         (Side::Convex(a), Side::Convex(b)) => Next::Ask(a, b),
-        (Side::Convex(a), Side::Space(b)) => {
-            let reach = a.convex.reach();
-            Next::AskSpace(b.below(Body::Convex(a.convex), (&a.place, reach)), a.feature)
-        }
-        (Side::Concave(a), Side::Space(b)) => match a.body() {
-            Some(body) => Next::AskSpace(b.below(body, (a.place(), a.geometry().reach())), a.feature()),
-            None => Next::SplitFirst(a, second),
-        },
+        (Side::Convex(_), Side::Concave(b)) => Next::SplitSecond(first, b),
+        (Side::Concave(a), Side::Convex(_)) => Next::SplitFirst(a, second),
         (Side::Concave(a), Side::Concave(b)) if b.rank() < a.rank() => Next::SplitSecond(first, b),
-        (Side::Concave(a), second) => Next::SplitFirst(a, second),
-        (first, Side::Concave(b)) => Next::SplitSecond(first, b),
-        (Side::Space(_), _) => unreachable!("a half space is the second of a pair, and of two no side is a compound"),
+        (Side::Concave(a), Side::Concave(_)) => Next::SplitFirst(a, second),
+        (Side::Concave(a), Side::Space(_)) if a.body().is_none() => Next::SplitFirst(a, second),
+        (Side::Convex(_) | Side::Concave(_), Side::Space(b)) => Next::AskSpace(first, b),
+        (Side::Space(_), _) => {
+            unreachable!("a half space is the second of a pair, and the first is a compound or of one")
+        }
     }
 }
 
 impl<'a> Space<'a> {
-    fn below(&self, body: Body<'a>, (place, reach): (&Place, f64)) -> half_space::Pair<'a> {
-        half_space::Pair::of_leaf(body, (place, reach), (self.half_space, &self.place))
+    /// A form that is no compound, above this, and the number of the part that it is.
+    fn below(&self, form: &Side<'a>) -> Option<(half_space::Pair<'a>, Feature)> {
+        let (body, feature) = match form {
+            Side::Convex(piece) => (Body::Convex(piece.convex), piece.feature),
+            Side::Concave(concave) => (concave.body()?, concave.feature()),
+            Side::Space(_) => return None,
+        };
+        let pair = half_space::Pair::of_leaf(body, (form.place(), form.reach()), (self.half_space, &self.place));
+        Some((pair, feature))
     }
 }

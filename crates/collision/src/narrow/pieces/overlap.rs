@@ -14,7 +14,7 @@ use crate::{
 pub(in crate::narrow) fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
     let Ordered { first, second, .. } = Ordered::new(a, b);
     let mut touching = Touching::nothing();
-    touching.search(first, second, accuracy, work);
+    touching.search(&first, &second, accuracy, work);
     touching.certificate
 }
 
@@ -41,22 +41,26 @@ impl Touching {
         if self.certificate.verdict == Verdict::Hit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    fn search(&mut self, a: Side<'_>, b: Side<'_>, accuracy: &Accuracy, work: &mut Work) {
+    fn search(&mut self, a: &Side<'_>, b: &Side<'_>, accuracy: &Accuracy, work: &mut Work) {
         match next(a, b) {
             Next::Ask(a, b) => self.take(convex::overlap(a.placed(), b.placed(), accuracy, work)),
-            Next::AskSpace(pair, _) => self.take(pair.overlap(work)),
+            Next::AskSpace(form, space) => {
+                if let Some((pair, _)) = space.below(form) {
+                    self.take(pair.overlap(work));
+                }
+            }
             Next::SplitFirst(a, b) => {
-                if self.meet(Met::of_pair(&a, &b, work)).is_continue() {
-                    a.in_box(a.box_of(&b), work, |piece, work| {
-                        self.search(piece, b, accuracy, work);
+                if self.meet(Met::of_pair(a, b, work)).is_continue() {
+                    a.in_box(a.box_of(b), work, |piece, work| {
+                        self.search(&piece, b, accuracy, work);
                         self.flow()
                     });
                 }
             }
             Next::SplitSecond(a, b) => {
-                if self.meet(Met::of_pair(&b, &a, work)).is_continue() {
-                    b.in_box(b.box_of(&a), work, |piece, work| {
-                        self.search(a, piece, accuracy, work);
+                if self.meet(Met::of_pair(b, a, work)).is_continue() {
+                    b.in_box(b.box_of(a), work, |piece, work| {
+                        self.search(a, &piece, accuracy, work);
                         self.flow()
                     });
                 }

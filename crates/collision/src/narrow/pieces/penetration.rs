@@ -34,7 +34,7 @@ pub(in crate::narrow) fn penetration(
         return Err(NeedsDecomposition);
     }
     let mut found = Touching { contacts: Contacts::new(), max_gap, accuracy };
-    found.search(first, second, work);
+    found.search(&first, &second, work);
     let mut contacts = found.contacts;
     if is_swapped {
         contacts = contacts.into_iter().map(Contact::swapped).collect();
@@ -54,32 +54,34 @@ struct Touching<'a> {
 }
 
 impl Touching<'_> {
-    fn search(&mut self, a: Side<'_>, b: Side<'_>, work: &mut Work) {
+    fn search(&mut self, a: &Side<'_>, b: &Side<'_>, work: &mut Work) {
         let known = self.contacts.len();
         match next(a, b) {
-            Next::Ask(a, b) => self.contacts.extend(self.contact(&a, &b, work)),
-            Next::AskSpace(pair, feature) => {
-                self.contacts.extend(pair.penetration(self.max_gap, work).into_iter().map(|mut found| {
-                    found.feature_a.part = feature.part;
-                    found
-                }));
+            Next::Ask(a, b) => self.contacts.extend(self.contact(a, b, work)),
+            Next::AskSpace(form, space) => {
+                if let Some((pair, feature)) = space.below(form) {
+                    self.contacts.extend(pair.penetration(self.max_gap, work).into_iter().map(|mut found| {
+                        found.feature_a.part = feature.part;
+                        found
+                    }));
+                }
             }
             Next::SplitFirst(a, b) => {
-                a.in_box(a.box_of(&b).inflated(self.max_gap), work, |piece, work| {
-                    self.search(piece, b, work);
+                a.in_box(a.box_of(b).inflated(self.max_gap), work, |piece, work| {
+                    self.search(&piece, b, work);
                     ControlFlow::Continue(())
                 });
                 if self.contacts.len() == known {
-                    self.contacts.extend(deep_inside(&a, &b, work).map(Contact::swapped));
+                    self.contacts.extend(deep_inside(a, b, work).map(Contact::swapped));
                 }
             }
             Next::SplitSecond(a, b) => {
-                b.in_box(b.box_of(&a).inflated(self.max_gap), work, |piece, work| {
-                    self.search(a, piece, work);
+                b.in_box(b.box_of(a).inflated(self.max_gap), work, |piece, work| {
+                    self.search(a, &piece, work);
                     ControlFlow::Continue(())
                 });
                 if self.contacts.len() == known {
-                    self.contacts.extend(deep_inside(&b, &a, work));
+                    self.contacts.extend(deep_inside(b, a, work));
                 }
             }
         }
