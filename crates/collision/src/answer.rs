@@ -83,7 +83,7 @@ pub enum Stop {
     Budget,
 }
 
-/// What a value is worth. Everything here was found on the geometry itself, not on a stand-in.
+/// What a value is worth. Everything here was found on the geometry itself, where no [`StandIn`] says otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
     /// What is proved about this item.
@@ -97,6 +97,15 @@ pub struct Certificate {
     pub stop: Stop,
     /// Iterations spent on it.
     pub iterations: u32,
+}
+
+/// What stood in for a geometry: everything of a certificate but its verdict was found on that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StandIn {
+    /// The two geometries lie within this of what stood in for them together, metres.
+    pub outside: f64,
+    /// What stood in for them lies within this of the two geometries together, metres.
+    pub inside: f64,
 }
 
 /// Where on a geometry. In order of parts, then of faces.

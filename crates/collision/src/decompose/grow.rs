@@ -42,6 +42,11 @@ const COARSEST: f64 = 0.125;
 /// To which part of itself the error of a part is known that is to be cut.
 const CUT_SHARE: f64 = 0.125;
 
+/// How many parts there may be if so many are named.
+pub(super) fn parts_most(named: u32) -> u32 {
+    if named == 0 { PARTS_USUAL } else { named.min(PARTS_MAX) }
+}
+
 /// A part under way.
 #[derive(Clone)]
 pub(super) struct Growing {
@@ -84,7 +89,7 @@ impl<'a> Growth<'a> {
         options: &Options,
         progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Self {
-        let max_parts = if options.max_parts == 0 { PARTS_USUAL } else { options.max_parts.min(PARTS_MAX) };
+        let max_parts = parts_most(options.max_parts);
         let asked = if options.max_error > 0.0 { options.max_error } else { subject.diagonal * DECOMPOSE_ERROR };
         let max_error = asked.clamp((subject.diagonal * DECOMPOSE_ERROR_MIN).max(4.0 * subject.slack()), f64::MAX);
         let mut first = max_error;

@@ -50,7 +50,7 @@ use self::{
 };
 use crate::{
     answer::{Bound, Stop},
-    shape::{Convex, Core, Form, Geometry, Mesh},
+    shape::{Convex, Core, Form, Geometry, GeometryError, Mesh, MeshParts, PartsAsked},
     tolerance::CUT_OUTSIDE,
 };
 
@@ -177,6 +177,33 @@ pub fn decompose(
         stop: growth.stop,
         steps: growth.meter.work.steps(),
     })
+}
+
+impl Options {
+    /// What is asked of the parts, with the usual number where none is said.
+    #[must_use]
+    pub fn asked(&self) -> PartsAsked {
+        PartsAsked { max_parts: grow::parts_most(self.max_parts), max_error: self.max_error.max(0.0) }
+    }
+}
+
+impl Decomposition {
+    /// The mesh with these parts, which were made of it as `options` ask.
+    ///
+    /// # Errors
+    /// `geometry` is no mesh.
+    pub fn attached(self, geometry: &Geometry, options: &Options) -> Result<Geometry, GeometryError> {
+        let part_count = u32::try_from(self.parts.len()).unwrap_or(u32::MAX);
+        geometry.with_parts(MeshParts {
+            asked: options.asked(),
+            whole: Geometry::of_hulls(self.parts.into_iter().map(|part| part.geometry))?,
+            part_count,
+            outside: self.errors.outside,
+            inside: self.errors.inside,
+            volume_excess: self.volume_excess,
+            stop: self.stop,
+        })
+    }
 }
 
 /// How far convex parts from elsewhere and a mesh are apart at most: to within `width` metres or a sixteenth, or as far as `budget` steps

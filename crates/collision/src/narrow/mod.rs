@@ -22,7 +22,7 @@ pub(crate) use ray::{Aim, raycast_of};
 
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, Work},
+    answer::{Bound, Certificate, Feature, StandIn, Work},
     math::Pose,
     shape::{Form, Geometry, Simple},
 };
@@ -91,6 +91,8 @@ pub struct Contact {
     pub feature_b: Feature,
     /// What the depth is worth.
     pub certificate: Certificate,
+    /// Convex parts of meshes, if these were measured: the depth and its bound are theirs, the verdict is that of the meshes.
+    pub stand_in: Option<StandIn>,
 }
 
 /// A point of a contact, world frame.

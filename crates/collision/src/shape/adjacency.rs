@@ -1,7 +1,7 @@
 //! Which triangles of a mesh share an edge.
 
 /// Neighbours of triangles. The side `k` of a triangle goes from its corner `k` to the next.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Adjacency {
     /// Sides as `3 * triangle + k`, those of one edge side by side, triangles rising within an edge.
     sides: Vec<u32>,

@@ -239,6 +239,13 @@ impl Geometry {
             return Err(fail("such that coordinates stay within 1e12 metres"));
         }
         let (core, radius) = match self.form {
+            Form::Mesh(mesh) if mesh.parts().is_some() => {
+                return Err(GeometryError::Bad {
+                    field: "scale".into(),
+                    reason: "is given: a mesh with convex parts takes none, so scale the mesh that is decomposed"
+                        .into(),
+                });
+            }
             Form::Mesh(mesh) => return Self::of_mesh(mesh.scaled(scale), "scale"),
             Form::HalfSpace(half_space) => return Ok(Self::of(Form::HalfSpace(half_space.scaled(scale)?))),
             Form::Compound(compound) => return Self::of_compound(compound.scaled(scale)?, "scale"),

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Compound, Convex, Core, Form, GeometryId, HalfSpace, HeightField, Mesh};
+use super::{Compound, Convex, Core, Form, GeometryId, HalfSpace, HeightField, Mesh, PartsAsked};
 
 /// Names the byte form below; another layout takes another name, so that ids of the two never meet.
 const LAYOUT: &[u8] = b"calipers geometry 1";
@@ -17,6 +17,21 @@ pub(super) fn content_hash(form: &Form) -> GeometryId {
         Form::Compound(compound) => content.compound(compound),
         Form::HeightField(field) => content.height_field(field),
     }
+    let bare = GeometryId(*content.0.finalize().as_bytes());
+    match form {
+        Form::Mesh(mesh) => mesh.parts().map_or(bare, |parts| id_with_parts(bare, &parts.asked)),
+        Form::Convex(_) | Form::HalfSpace(_) | Form::Compound(_) | Form::HeightField(_) => bare,
+    }
+}
+
+/// The id of a mesh, whose own id is `bare`, with the convex parts that it has if so asked.
+pub(super) fn id_with_parts(bare: GeometryId, asked: &PartsAsked) -> GeometryId {
+    let mut content = Content(blake3::Hasher::new());
+    content.0.update(LAYOUT);
+    content.kind(20);
+    content.0.update(&bare.0);
+    content.count(asked.max_parts as usize);
+    content.number(asked.max_error);
     GeometryId(*content.0.finalize().as_bytes())
 }
 

@@ -1,17 +1,20 @@
 //! Triangle meshes: what is kept of what was sent, and which triangles are neighbours.
 
-use std::{collections::HashMap, sync::OnceLock};
+use std::{
+    collections::HashMap,
+    sync::{Arc, OnceLock},
+};
 
 use glam::DVec3;
 
-use super::{adjacency::Adjacency, bounds::around};
+use super::{adjacency::Adjacency, bounds::around, parts::MeshParts};
 use crate::{
     broad::StaticTree,
     math::{Aabb, expansion::ExactVector},
 };
 
 /// Triangles, felt from both sides.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Mesh {
     vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
@@ -22,6 +25,7 @@ pub struct Mesh {
     merged_vertices: usize,
     adjacency: OnceLock<Adjacency>,
     tree: OnceLock<StaticTree>,
+    parts: Option<Arc<MeshParts>>,
 }
 
 /// What was found in a mesh when it came.
@@ -68,6 +72,7 @@ impl Mesh {
             merged_vertices,
             adjacency: OnceLock::new(),
             tree: OnceLock::new(),
+            parts: None,
         };
         for (triangle, &number) in triangles.iter().zip(numbers) {
             let corners = triangle.map(|vertex| vertices[vertex as usize]);
@@ -95,6 +100,17 @@ impl Mesh {
     /// The local box, exact.
     pub(super) fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    /// The same with convex parts.
+    pub(super) fn with_parts(&self, parts: MeshParts) -> Self {
+        Self { parts: Some(Arc::new(parts)), ..self.clone() }
+    }
+
+    /// The convex parts that it brings along.
+    #[must_use]
+    pub fn parts(&self) -> Option<&MeshParts> {
+        self.parts.as_deref()
     }
 
     /// The distinct vertices that triangles use, in order of first use.
@@ -188,7 +204,8 @@ impl Mesh {
             + size_of_val(self.triangles.as_slice())
             + size_of_val(self.sent_numbers.as_slice())
             + self.adjacency.get().map_or(0, Adjacency::memory_bytes);
-        (size_of::<Self>() + lists) as u64 + self.tree.get().map_or(0, StaticTree::memory_bytes)
+        let parts = self.parts().map_or(0, |parts| parts.whole.memory_bytes());
+        (size_of::<Self>() + lists) as u64 + parts + self.tree.get().map_or(0, StaticTree::memory_bytes)
     }
 }
 

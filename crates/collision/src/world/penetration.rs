@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Certificate, Feature},
+    answer::{Certificate, Feature, StandIn},
     narrow::{self, ContactPoint},
 };
 
@@ -49,6 +49,8 @@ pub struct Contact {
     pub feature: Feature,
     /// What the depth is worth.
     pub certificate: Certificate,
+    /// Convex parts of meshes, if these were measured: the depth and its bound are theirs, the verdict is that of the meshes.
+    pub stand_in: Option<StandIn>,
 }
 
 impl Snapshot {
@@ -97,6 +99,7 @@ fn of_shape(contact: narrow::Contact, other: &Side<'_>) -> Contact {
         subject_feature: contact.feature_a,
         feature: contact.feature_b,
         certificate: contact.certificate,
+        stand_in: contact.stand_in,
     }
 }
 

@@ -1,5 +1,6 @@
 //! Convex parts of meshes: what is certified of them holds, and how good they are.
 
+mod contacts;
 #[path = "../cubes/mod.rs"]
 mod cubes;
 mod data;

@@ -127,6 +127,7 @@ impl Judged<'_> {
             feature_a: Feature::default(),
             feature_b: Feature::default(),
             certificate: self.certificate(),
+            stand_in: None,
         }
     }
 

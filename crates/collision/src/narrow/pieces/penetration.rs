@@ -6,19 +6,19 @@ use super::{
     Next, Ordered, Piece, Side,
     concave::Concave,
     matter::{self, Met},
-    next,
+    next, overlap,
 };
 use crate::{
     accuracy::Accuracy,
-    answer::Work,
+    answer::{StandIn, Verdict, Work},
     narrow::{Contact, Contacts, NeedsDecomposition, Placed, convex},
-    shape::Standing,
+    shape::{MeshParts, Standing},
 };
 
 /// Contacts of all pairs of pieces whose gap is not proved to be above `max_gap` metres, by piece.
 ///
 /// # Errors
-/// [`NeedsDecomposition`] if both have surfaces.
+/// [`NeedsDecomposition`] if both have surfaces, and neither is a mesh with convex parts.
 pub(in crate::narrow) fn penetration(
     a: Placed<'_>,
     b: Placed<'_>,
@@ -27,11 +27,11 @@ pub(in crate::narrow) fn penetration(
     work: &mut Work,
 ) -> Result<Contacts, NeedsDecomposition> {
     let Ordered { first, second, is_swapped, origin } = Ordered::new(a, b);
-    if let (Side::Concave(a), Side::Concave(b)) = (&first, &second)
-        && a.has_surface()
-        && b.has_surface()
+    if let (Side::Concave(one), Side::Concave(other)) = (&first, &second)
+        && one.has_surface()
+        && other.has_surface()
     {
-        return Err(NeedsDecomposition);
+        return by_parts(a, b, max_gap, accuracy, work);
     }
     let mut found = Touching { contacts: Contacts::new(), max_gap, accuracy };
     found.search(&first, &second, work);
@@ -44,6 +44,39 @@ pub(in crate::narrow) fn penetration(
         point.point_on_b += origin;
     }
     contacts.sort_by_key(|contact| (contact.feature_a, contact.feature_b));
+    Ok(contacts)
+}
+
+/// Contacts of two surfaces, of which the convex parts of those that bring some stand in for them. What parts say of meshes: they
+/// are apart if the parts are farther apart than the meshes lie outside of them. That meshes touch only they tell themselves.
+fn by_parts(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    max_gap: f64,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Result<Contacts, NeedsDecomposition> {
+    let parts = [a, b].map(|placed| placed.geometry.parts());
+    if parts.iter().all(Option::is_none) {
+        return Err(NeedsDecomposition);
+    }
+    let [one, other] = [(a, parts[0]), (b, parts[1])].map(|(placed, parts)| match parts {
+        Some(parts) => Placed { geometry: &parts.whole, ..placed },
+        None => placed,
+    });
+    let mut contacts = penetration(one, other, max_gap, accuracy, work)?;
+    let sum = |error: fn(&MeshParts) -> f64| parts.iter().flatten().map(|parts| error(parts)).sum::<f64>();
+    let stand_in = StandIn { outside: sum(|parts| parts.outside.upper), inside: sum(|parts| parts.inside.upper) };
+    // Only what may touch needs to be asked.
+    let mut touch = None;
+    for contact in &mut contacts {
+        let certificate = &mut contact.certificate;
+        // Both sides of the comparison are rounded once.
+        let is_apart = certificate.bound.upper.next_up() < -stand_in.outside.next_up();
+        certificate.verdict =
+            if is_apart { Verdict::Miss } else { touch.get_or_insert_with(|| overlap(a, b, accuracy, work)).verdict };
+        contact.stand_in = Some(stand_in);
+    }
     Ok(contacts)
 }
 
