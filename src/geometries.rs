@@ -12,7 +12,10 @@ use collision::{
 };
 use parking_lot::Mutex;
 
-use crate::problem::{Checked, Problem, Reason, quoted};
+use crate::{
+    building::{Building, Stage},
+    problem::{Checked, Problem, Reason, quoted},
+};
 
 /// Rough memory of one shape in a world besides its geometry: itself, its leaf and its box.
 const SHAPE_BYTES: u64 = 512;
@@ -36,8 +39,10 @@ struct Held {
     sweep_at: usize,
     /// What they held when they were last counted, and all that came since.
     counted_bytes: u64,
-    /// Room for those that are being uploaded.
+    /// Room for those that are being uploaded or cut.
     promised_bytes: u64,
+    /// Those that are being cut, and those that could not be.
+    building: BTreeMap<GeometryId, Arc<Building>>,
 }
 
 impl Held {
@@ -63,6 +68,14 @@ impl Held {
         self.counted_bytes
     }
 
+    /// Lets go of one that is being cut, and calls it off.
+    fn drop_building(&mut self, id: GeometryId) {
+        if let Some(building) = self.building.remove(&id) {
+            self.promised_bytes -= building.promised_bytes();
+            building.set(Stage::Forgotten);
+        }
+    }
+
     /// Whether they and `more` bytes are within the quota; counts again before it says no.
     fn check_quota(&mut self, more: u64, quota_bytes: u64) -> Checked<()> {
         let more = self.promised_bytes + more;
@@ -78,6 +91,25 @@ impl Held {
              raise session_memory_bytes"
         );
         Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "session_memory_bytes").with("limit", quota_bytes))
+    }
+}
+
+/// A geometry that has an id.
+#[derive(Clone, Debug)]
+pub(crate) enum Known {
+    /// It can be placed.
+    Ready(Arc<Geometry>),
+    /// It is being cut into parts, or could not be.
+    InWork(Arc<Building>),
+}
+
+impl Known {
+    /// Its id.
+    pub(crate) fn id(&self) -> GeometryId {
+        match self {
+            Self::Ready(geometry) => geometry.id(),
+            Self::InWork(building) => building.id,
+        }
     }
 }
 
@@ -109,6 +141,8 @@ impl Geometries {
             sweep_at: held.sweep_at,
             counted_bytes: held.counted_bytes,
             promised_bytes: 0,
+            // What is in work stays with the origin, which has it cut.
+            building: BTreeMap::new(),
         };
         Self { held: Mutex::new(held), quota_bytes: self.quota_bytes }
     }
@@ -129,6 +163,62 @@ impl Geometries {
         held.counted_bytes += bytes;
         held.registered.insert(id, geometry.clone());
         Ok(geometry)
+    }
+
+    /// Takes a mesh in that is to be cut; what is known of its id. If that is `building` itself, the caller has it cut.
+    ///
+    /// # Errors
+    /// The memory quota.
+    pub(crate) fn begin(&self, building: &Arc<Building>, world: &Snapshot) -> Checked<Known> {
+        let mut held = self.held.lock();
+        if let Some(geometry) = held.find(building.id) {
+            held.registered.insert(building.id, geometry.clone());
+            return Ok(Known::Ready(geometry));
+        }
+        if let Some(known) = held.building.get(&building.id) {
+            if !matches!(known.stage(), Stage::Failed(_)) {
+                return Ok(Known::InWork(known.clone()));
+            }
+            held.drop_building(building.id);
+        }
+        held.check_quota(building.mesh.memory_bytes() + shape_bytes(world.len()), self.quota_bytes)?;
+        held.promised_bytes += building.promised_bytes();
+        held.building.insert(building.id, building.clone());
+        Ok(Known::InWork(building.clone()))
+    }
+
+    /// Registers what a mesh has become, unless it is forgotten by now.
+    pub(crate) fn finish(&self, building: &Arc<Building>, made: Checked<Arc<Geometry>>, world: &Snapshot) {
+        let mut held = self.held.lock();
+        if !held.building.get(&building.id).is_some_and(|known| Arc::ptr_eq(known, building)) {
+            return;
+        }
+        let registered = made.and_then(|geometry| {
+            let more = geometry.memory_bytes().saturating_sub(building.promised_bytes());
+            held.check_quota(more + shape_bytes(world.len()), self.quota_bytes)?;
+            Ok(geometry)
+        });
+        match registered {
+            Ok(geometry) => {
+                held.drop_building(building.id);
+                held.counted_bytes += geometry.memory_bytes();
+                held.registered.insert(building.id, geometry);
+                building.set(Stage::Ready);
+            }
+            Err(problem) => building.set(Stage::Failed(problem)),
+        }
+    }
+
+    /// What is known of an id.
+    ///
+    /// # Errors
+    /// `text` is no id, or nothing is registered under it.
+    pub(crate) fn known(&self, text: &str) -> Checked<Known> {
+        let building = parse_id(text).and_then(|id| self.held.lock().building.get(&id).cloned());
+        match building {
+            Some(building) => Ok(Known::InWork(building)),
+            None => self.get(text).map(Known::Ready),
+        }
     }
 
     /// Holds room for so many bytes that are on their way.
@@ -161,8 +251,12 @@ impl Geometries {
     /// # Errors
     /// `text` is no id, or nothing is registered under it.
     pub(crate) fn get(&self, text: &str) -> Checked<Arc<Geometry>> {
-        let found = parse_id(text).and_then(|id| self.held.lock().find(id));
+        let id = parse_id(text);
+        let found = id.and_then(|id| self.held.lock().find(id));
         found.ok_or_else(|| {
+            if let Some(building) = id.and_then(|id| self.held.lock().building.get(&id).cloned()) {
+                return not_ready(&building);
+            }
             let text = quoted(text);
             let what = format!("is {text}: this session knows no such geometry; CreateGeometry gives the id");
             Problem::at("geometry_id", Reason::GeometryNotFound, what)
@@ -170,11 +264,15 @@ impl Geometries {
     }
 
     /// Registered geometries after `after`, by id, at most `most`.
-    pub(crate) fn after(&self, after: Option<GeometryId>, most: usize) -> Vec<Arc<Geometry>> {
+    pub(crate) fn after(&self, after: Option<GeometryId>, most: usize) -> Vec<Known> {
         let held = self.held.lock();
         let from = after.map_or(Unbounded, Excluded);
-        let range = held.registered.range((from, Unbounded));
-        range.take(most).map(|(_, geometry)| geometry.clone()).collect()
+        let ready = held.registered.range((from, Unbounded)).take(most).map(|(_, ready)| Known::Ready(ready.clone()));
+        let in_work = held.building.range((from, Unbounded)).take(most).map(|(_, known)| Known::InWork(known.clone()));
+        let mut found: Vec<Known> = ready.chain(in_work).collect();
+        found.sort_by_key(Known::id);
+        found.truncate(most);
+        found
     }
 
     /// Forgets a geometry: it can no longer be named. What uses it keeps it.
@@ -182,6 +280,7 @@ impl Geometries {
         if let Some(id) = parse_id(text) {
             let mut held = self.held.lock();
             held.registered.remove(&id);
+            held.drop_building(id);
             held.in_place.remove(&id);
         }
     }
@@ -200,6 +299,16 @@ impl Geometries {
         let mut held = self.held.lock();
         held.check_quota(shape_bytes(shape_count), self.quota_bytes)
     }
+}
+
+fn not_ready(building: &Building) -> Problem {
+    let what = match building.stage() {
+        Stage::Failed(problem) => format!("failed: {problem}; delete it, and register the mesh again"),
+        Stage::InWork(_) | Stage::Ready | Stage::Forgotten => {
+            "is still being cut into convex parts: GetGeometry with wait answers when it is READY".to_owned()
+        }
+    };
+    Problem::at("geometry_id", Reason::GeometryNotReady, what)
 }
 
 /// How many shapes of a world use each of `geometries`, in the same order. Costs a pass over all shapes.

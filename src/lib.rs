@@ -11,6 +11,7 @@ pub mod observe;
 mod past;
 pub mod serve;
 
+mod building;
 mod compute;
 mod convert;
 mod deadline;

@@ -184,7 +184,19 @@ pub(super) fn contact(contact: &Contact) -> Checked<pb::Contact> {
         subject_feature: feature(contact.subject_feature),
         feature: feature(contact.feature),
         user_data: contact.user_data,
-        certificate: Some(certificate(&contact.certificate)?),
+        certificate: Some(contact_certificate(contact)?),
+    })
+}
+
+/// That of a contact, which convex parts may have stood in for.
+fn contact_certificate(contact: &Contact) -> Checked<pb::Certificate> {
+    let exact = certificate(&contact.certificate)?;
+    let Some(stand_in) = contact.stand_in else { return Ok(exact) };
+    Ok(pb::Certificate {
+        representation: pb::Representation::Decomposition.into(),
+        outside: number_out(stand_in.outside)?,
+        inside: number_out(stand_in.inside)?,
+        ..exact
     })
 }
 
@@ -240,7 +252,7 @@ fn certificate(certificate: &Certificate) -> Checked<pb::Certificate> {
 }
 
 /// An infinite side is absent; NaN is a fault.
-fn interval(bound: Bound) -> Checked<pb::Interval> {
+pub(super) fn interval(bound: Bound) -> Checked<pb::Interval> {
     let side = |value: f64| match value.is_infinite() {
         true => Ok(None),
         false => number_out(value).map(Some),

@@ -11,6 +11,7 @@ use wire::v1::{self as pb, geometry::Kind};
 use super::{
     compound, height_field,
     number::unknown_enum,
+    parts::result_out,
     place::{aabb_out, column_number},
 };
 use crate::{
@@ -147,7 +148,8 @@ fn triangles(mesh: &pb::TriangleMesh) -> Checked<Geometry> {
         }
     }
     if mesh.decompose.is_some() {
-        return Err(not_yet("decompose", "send convex parts as hulls of one group"));
+        let what = "is asked of a mesh that is written in place: register it with CreateGeometry, and name its id here";
+        return Err(Problem::at("decompose", Reason::BadGeometry, what));
     }
     let vertices = points("vertices", &mesh.vertices)?;
     let (indices, rest) = mesh.indices.as_chunks::<3>();
@@ -262,7 +264,7 @@ pub(crate) fn info_out(geometry: &Geometry, shape_count: u64) -> Checked<pb::Geo
         bounds: Some(aabb_out(geometry.local_bounds())?),
         vertex_count,
         face_count,
-        decomposition: None,
+        decomposition: geometry.parts().map(result_out).transpose()?,
         memory_bytes: geometry.memory_bytes(),
         shape_count,
         warnings,

@@ -14,6 +14,7 @@ mod height_field;
 pub(crate) mod hit_columns;
 pub(crate) mod lists;
 pub(crate) mod number;
+pub(crate) mod parts;
 pub(crate) mod place;
 pub(crate) mod places;
 pub(crate) mod question;

@@ -31,7 +31,7 @@ impl pb::geometry_service_server::GeometryService for Geometries {
         &self,
         request: Request<pb::GetGeometryRequest>,
     ) -> Result<Response<pb::GetGeometryResponse>, Status> {
-        geometry::get(&self.0, request)
+        geometry::get(&self.0, request).await
     }
 
     type DownloadGeometryStream = super::Answers<pb::DownloadGeometryResponse>;

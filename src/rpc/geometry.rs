@@ -1,18 +1,23 @@
 //! `CreateGeometry`, `GetGeometry`, `ListGeometries` and `DeleteGeometry`.
 
-use collision::shape::GeometryId;
+use std::sync::Arc;
+
+use collision::shape::{Geometry, GeometryId};
 use prost::Message;
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
 
 use super::{Caller, Server};
 use crate::{
+    building::Building,
     compute::{self, Weight},
     convert::{
-        geometry::{info_out, registrable},
+        geometry::info_out,
         number::count,
+        parts::{ToRegister, building_out, to_register},
     },
-    geometries::{id_text, parse_id, uses},
+    deadline::Deadline,
+    geometries::{Known, id_text, parse_id, uses},
     problem::{Checked, Problem, Reason, Under, quoted},
     session::Session,
     token::Role,
@@ -30,41 +35,90 @@ pub(super) async fn create(
     let sent = request.into_inner();
     let session = server.enter(&caller, &sent.session, Role::Writer)?;
     let weight = Weight::of_message(sent.encoded_len());
-    let info = compute::run(weight, "making a geometry", move || {
+    let registering = session.clone();
+    let registered = compute::run(weight, "making a geometry", move || {
         let Some(form) = &sent.geometry else {
             let what = "is absent: say what to register, such as {\"sphere\": {\"radius\": 1}}";
             return Err(Problem::at("geometry", Reason::Missing, what));
         };
-        register(&session, form)
+        register(&registering, form)
     });
-    Ok(Response::new(pb::CreateGeometryResponse { geometry: Some(info.await?) }))
+    let info = registered.await?.started(server, session);
+    Ok(Response::new(pb::CreateGeometryResponse { geometry: Some(info) }))
+}
+
+/// What has become of a geometry that came.
+#[derive(Debug)]
+pub(super) struct Registered {
+    info: pb::GeometryInfo,
+    /// A mesh that is to be cut now.
+    to_cut: Option<Arc<Building>>,
+}
+
+impl Registered {
+    /// What is said of it, once what is to be cut waits for its turn.
+    pub(super) fn started(self, server: &Server, session: Arc<Session>) -> pb::GeometryInfo {
+        if let Some(building) = self.to_cut {
+            server.workshop.start(session, building);
+        }
+        self.info
+    }
 }
 
 /// Registers a geometry that came whole, and says what it is.
 ///
 /// # Errors
 /// As [`create`].
-pub(super) fn register(session: &Session, form: &pb::Geometry) -> Checked<pb::GeometryInfo> {
-    let geometry = registrable(form, &session.geometries).under("geometry")?;
+pub(super) fn register(session: &Session, form: &pb::Geometry) -> Checked<Registered> {
     let newest = session.newest();
-    let geometry = session.geometries.register(geometry, &newest)?;
-    info_out(&geometry, uses(&newest, std::slice::from_ref(&geometry))[0])
+    let (mesh, options) = match to_register(form, &session.geometries).under("geometry")? {
+        ToRegister::Whole(geometry) => {
+            let geometry = session.geometries.register(geometry, &newest)?;
+            return Ok(Registered { info: ready_out(session, &geometry)?, to_cut: None });
+        }
+        ToRegister::ToCut(mesh, options) => (mesh, options),
+    };
+    let building = Arc::new(Building::new(mesh, options, &session.ended));
+    match session.geometries.begin(&building, &newest)? {
+        Known::Ready(geometry) => Ok(Registered { info: ready_out(session, &geometry)?, to_cut: None }),
+        Known::InWork(known) => {
+            let is_new = Arc::ptr_eq(&known, &building);
+            Ok(Registered { info: building_out(&known)?, to_cut: is_new.then_some(building) })
+        }
+    }
 }
 
-/// Says how a geometry stands. All are ready at once, so `wait` never waits.
+fn ready_out(session: &Session, geometry: &Arc<Geometry>) -> Checked<pb::GeometryInfo> {
+    info_out(geometry, uses(&session.newest(), std::slice::from_ref(geometry))[0])
+}
+
+/// Says how a geometry stands; where that is asked, once it is no longer in work.
 ///
 /// # Errors
-/// There is no such geometry.
-pub(super) fn get(
+/// There is no such geometry; the deadline, the session or the server ends before it is ready.
+pub(super) async fn get(
     server: &Server,
     request: Request<pb::GetGeometryRequest>,
 ) -> Result<Response<pb::GetGeometryResponse>, Status> {
     let caller = Caller::of(&request);
     let sent = request.into_inner();
     let session = server.enter(&caller, &sent.session, Role::Reader)?;
-    let geometry = session.geometries.get(&sent.geometry_id)?;
-    let shape_count = uses(&session.newest(), std::slice::from_ref(&geometry))[0];
-    Ok(Response::new(pb::GetGeometryResponse { geometry: Some(info_out(&geometry, shape_count)?) }))
+    let mut known = session.geometries.known(&sent.geometry_id)?;
+    if let (Known::InWork(building), true) = (&known, sent.wait) {
+        tokio::select! {
+            biased;
+            () = building.settled() => {}
+            () = server.drain.cancelled() => return Err(Problem::new(Reason::Stopping, "the server is stopping").into()),
+            () = session.ended.cancelled() => return Err(session.ended_problem().into()),
+            () = caller.deadline.passed() => return Err(Deadline::problem().into()),
+        }
+        known = session.geometries.known(&sent.geometry_id)?;
+    }
+    let info = match &known {
+        Known::Ready(geometry) => ready_out(&session, geometry)?,
+        Known::InWork(building) => building_out(building)?,
+    };
+    Ok(Response::new(pb::GetGeometryResponse { geometry: Some(info) }))
 }
 
 /// Lists registered geometries; a page token is the last id of the page before.
@@ -85,8 +139,15 @@ pub(super) fn list(
         Some(_) | None => String::new(),
     };
     let page = &found[..found.len().min(most)];
-    let counts = uses(&session.newest(), page);
-    let infos = page.iter().zip(counts).map(|(geometry, shape_count)| info_out(geometry, shape_count));
+    let ready = page.iter().filter_map(|known| match known {
+        Known::Ready(geometry) => Some(geometry.clone()),
+        Known::InWork(_) => None,
+    });
+    let mut counts = uses(&session.newest(), &ready.collect::<Vec<_>>()).into_iter();
+    let infos = page.iter().map(|known| match known {
+        Known::Ready(geometry) => info_out(geometry, counts.next().unwrap_or(0)),
+        Known::InWork(building) => building_out(building),
+    });
     Ok(Response::new(pb::ListGeometriesResponse { geometries: infos.collect::<Checked<_>>()?, next_page_token }))
 }
 

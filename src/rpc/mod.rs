@@ -45,6 +45,7 @@ use tonic::{Request, Status, service::Routes};
 use wire::v1 as pb;
 
 use crate::{
+    building::Workshop,
     deadline::Deadline,
     problem::{Checked, Problem, Reason},
     registry::Registry,
@@ -73,6 +74,7 @@ type Answers<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 #[derive(Debug)]
 pub(crate) struct Server {
     registry: Arc<Registry>,
+    workshop: Arc<Workshop>,
     /// Cancelled when streams should end.
     drain: CancellationToken,
 }
@@ -118,7 +120,7 @@ fn fitting<A: Message>(answer: A, remedy: &str) -> Checked<A> {
 
 /// The routes of the four services.
 pub(crate) fn routes(registry: Arc<Registry>, drain: CancellationToken) -> Routes {
-    let server = Arc::new(Server { registry, drain });
+    let server = Arc::new(Server { registry, workshop: Arc::new(Workshop::new(drain.clone())), drain });
     let sessions = pb::session_service_server::SessionServiceServer::new(sessions::Sessions(server.clone()));
     let geometries = pb::geometry_service_server::GeometryServiceServer::new(geometries::Geometries(server.clone()));
     let worlds = pb::world_service_server::WorldServiceServer::new(worlds::Worlds(server.clone()));

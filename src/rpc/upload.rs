@@ -56,8 +56,9 @@ pub(super) async fn answer(
     }
     let geometry = upload.end()?;
     let registering = session.clone();
-    let info = compute::run(Weight::Heavy, "making a geometry", move || register(&registering, &geometry));
-    Ok(Response::new(pb::UploadGeometryResponse { geometry: Some(info.await?) }))
+    let registered = compute::run(Weight::Heavy, "making a geometry", move || register(&registering, &geometry));
+    let info = registered.await?.started(server, session.clone());
+    Ok(Response::new(pb::UploadGeometryResponse { geometry: Some(info) }))
 }
 
 /// The next message, unless there is a reason to wait no longer.

@@ -79,13 +79,6 @@ fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
             geometry(Kind::Mesh(pb::TriangleMesh { mode: pb::MeshMode::Solid.into(), ..mesh(&triangle, &[0, 1, 2]) })),
             ("NOT_YET", "geometry.mesh.mode", &["TWO_SIDED"]),
         ),
-        (
-            geometry(Kind::Mesh(pb::TriangleMesh {
-                decompose: Some(pb::Decompose::default()),
-                ..mesh(&triangle, &[0, 1, 2])
-            })),
-            ("NOT_YET", "geometry.mesh.decompose", &["hulls"]),
-        ),
         (pb::Geometry { rounding: -0.5, ..sphere(1.0) }, ("OUT_OF_LIMITS", "geometry.rounding", &["is -0.5"])),
         (
             pb::Geometry { rounding: 0.5, ..geometry(Kind::Mesh(mesh(&triangle, &[0, 1, 2]))) },

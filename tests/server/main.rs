@@ -18,6 +18,7 @@ mod harness;
 mod height_fields;
 mod later;
 mod pairs;
+mod parts;
 mod port;
 mod query_stream;
 mod questions;

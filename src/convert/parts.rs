@@ -1,0 +1,105 @@
+//! Convex parts of meshes: what is asked of them, how far they are, and what they are worth.
+
+use collision::{
+    answer::{Bound, Stop},
+    decompose::Options,
+    shape::{Geometry, MeshParts},
+};
+use wire::v1::{self as pb, geometry::Kind};
+
+use super::{
+    answer::interval,
+    geometry::{info_out, registrable},
+    number::{count, not_finite},
+};
+use crate::{
+    building::{Building, Stage},
+    geometries::{Geometries, id_text},
+    problem::{Checked, Problem, Reason, Under},
+};
+
+/// Most parts that may be asked for, and how many there are at most if none is said.
+const PARTS_MAX: u32 = 1024;
+const PARTS_USUAL: u32 = 32;
+
+/// A geometry to register: as it is, or as soon as its parts are made.
+#[derive(Debug)]
+pub(crate) enum ToRegister {
+    /// It is whole.
+    Whole(Geometry),
+    /// A mesh that is to be cut.
+    ToCut(Geometry, Options),
+}
+
+/// A geometry that is to be registered.
+///
+/// # Errors
+/// What is wrong with it; kinds that are not served yet; an id that names nothing.
+pub(crate) fn to_register(sent: &pb::Geometry, known: &Geometries) -> Checked<ToRegister> {
+    let Some(Kind::Mesh(mesh)) = &sent.kind else { return registrable(sent, known).map(ToRegister::Whole) };
+    let Some(asked) = &mesh.decompose else { return registrable(sent, known).map(ToRegister::Whole) };
+    let options = options(asked).under("mesh.decompose")?;
+    let mut bare = sent.clone();
+    if let Some(Kind::Mesh(mesh)) = &mut bare.kind {
+        mesh.decompose = None;
+    }
+    Ok(ToRegister::ToCut(registrable(&bare, known)?, options))
+}
+
+fn options(asked: &pb::Decompose) -> Checked<Options> {
+    let max_parts = count("max_parts", asked.max_parts, PARTS_USUAL as usize, PARTS_MAX as usize)?;
+    let max_error = asked.max_error;
+    if !max_error.is_finite() {
+        return Err(not_finite("max_error".to_owned(), max_error));
+    }
+    if max_error < 0.0 {
+        let what = format!("is {max_error}: it must be at least 0 metres; 0 means 1 % of the diagonal");
+        return Err(Problem::at("max_error", Reason::OutOfLimits, what));
+    }
+    Ok(Options { max_parts: u32::try_from(max_parts).unwrap_or(PARTS_MAX), max_error, ..Options::default() })
+}
+
+/// What was asked of parts.
+pub(crate) fn asked_out(parts: &MeshParts) -> pb::Decompose {
+    pb::Decompose { max_parts: parts.asked.max_parts, max_error: parts.asked.max_error }
+}
+
+/// What parts are worth.
+///
+/// # Errors
+/// A number is not finite, which is a fault of the server.
+pub(crate) fn result_out(parts: &MeshParts) -> Checked<pb::DecomposeResult> {
+    let within = |bound: Bound| interval(bound).map(Some);
+    Ok(pb::DecomposeResult {
+        part_count: parts.part_count,
+        outside: within(parts.outside)?,
+        inside: within(parts.inside)?,
+        volume_excess: parts.volume_excess,
+        stop: match parts.stop {
+            Stop::Converged => pb::Stop::Converged,
+            Stop::Tolerance => pb::Stop::Tolerance,
+            Stop::Budget => pb::Stop::Budget,
+        }
+        .into(),
+    })
+}
+
+/// What is said of a geometry in work.
+///
+/// # Errors
+/// As [`info_out`].
+pub(crate) fn building_out(building: &Building) -> Checked<pb::GeometryInfo> {
+    let (state, progress, problem) = match building.stage() {
+        Stage::InWork(progress) => (pb::GeometryState::Building, progress, None),
+        Stage::Ready => (pb::GeometryState::Building, 1.0, None),
+        Stage::Failed(problem) => (pb::GeometryState::Failed, 0.0, Some(problem.into_wire())),
+        Stage::Forgotten => (pb::GeometryState::Failed, 0.0, None),
+    };
+    Ok(pb::GeometryInfo {
+        geometry_id: id_text(building.id),
+        state: state.into(),
+        progress: progress.into(),
+        problem,
+        ..info_out(&building.mesh, 0)?
+    })
+}
