@@ -16,7 +16,12 @@ use crate::{
 
 /// Cubes on a grid, bent a little so that nothing is in line.
 fn bent_cubes(noise: &mut Noise) -> Geometry {
-    let (vertices, triangles) = Cubes::random(noise).surface();
+    let Cubes(mut cubes) = Cubes::random(noise);
+    // Three to a side are enough.
+    for (index, is_filled) in cubes.iter_mut().enumerate() {
+        *is_filled &= index % 4 < 3 && index / 4 % 4 < 3 && index < 48;
+    }
+    let (vertices, triangles) = Cubes(cubes).surface();
     let bend = |v: DVec3| v + DVec3::new(0.03 * v.y * v.z, 0.02 * v.x * v.x, -0.04 * v.x * v.y);
     let vertices: Vec<DVec3> = vertices.into_iter().map(bend).collect();
     Geometry::mesh(&vertices, &triangles).expect("a mesh")
@@ -204,7 +209,7 @@ fn a_budget_ends_it_and_what_is_certified_holds() {
         assert_certified(&geometry, &found, &mut noise, 60);
         counts.push(found.parts.len());
     }
-    assert!(counts[0] == 1 && counts.is_sorted() && counts[6] > 8, "{counts:?}");
+    assert!(counts[0] == 1 && counts.is_sorted() && counts[6] > 4, "{counts:?}");
 }
 
 #[test]
