@@ -138,3 +138,62 @@ fn intervals_of_parts_of_parts_hold_the_exact_answer() {
     }
     assert!(hits > 600 && misses > 300 && open > 100, "{hits} hits, {misses} misses, {open} open");
 }
+
+/// A ball on an arm that turns about the origin of a compound: it comes down to a floor when its middle is as high as it is
+/// wide, which a search through the motion finds as well.
+#[test]
+fn a_part_goes_round_with_the_whole() {
+    let mut numbers = Numbers::new(563);
+    let (mut touches, mut free) = (0, 0);
+    for round in 0..400 {
+        let radius = 0.05 + 0.2 * numbers.share().abs();
+        let ball = Arc::new(Geometry::sphere(radius).expect("a ball"));
+        let arm = numbers.shares() * 2.0;
+        let inner = Geometry::compound(vec![Part { geometry: ball, pose: Pose::at(arm * 0.5) }]).expect("inner");
+        let part = Part { geometry: Arc::new(inner), pose: Pose::at(arm * 0.5) };
+        let club = Geometry::compound(vec![part]).expect("a compound");
+        let start = Pose::new(numbers.shares() * 100.0, quat(rotation(&mut numbers)));
+        let (turn, way) = (numbers.shares() * 4.0, numbers.shares() * 0.5);
+        let floor = start.position.y - 1.0 - numbers.share();
+        let height = |time: f64| {
+            let turned = DQuat::from_scaled_axis(turn * time) * start.unit_rotation() * arm;
+            (start.position + way * time + turned).y - radius - floor
+        };
+        if height(0.0) < 1e-9 {
+            continue;
+        }
+        let steps = 4_096;
+        let time = |step: usize| step as f64 / steps as f64;
+        let first = (1..=steps).find(|&step| height(time(step)) < 0.0).map(|step| {
+            let (mut before, mut after) = (time(step - 1), time(step));
+            for _ in 0..60 {
+                let middle = 0.5 * (before + after);
+                if height(middle) < 0.0 { after = middle } else { before = middle }
+            }
+            before
+        });
+        let motion = Motion { displacement_a: way, rotation_a: turn, ..Motion::default() };
+        let space = Geometry::half_space(DVec3::Y, 0.0).expect("a half space");
+        let slab = Geometry::cuboid(DVec3::splat(20.0)).expect("a box");
+        let space = at(&space, Pose::at(DVec3::Y * floor));
+        let slab = at(&slab, Pose::at(DVec3::new(start.position.x, floor - 20.0, start.position.z)));
+        for ground in [space, slab] {
+            let found = impact(at(&club, start), ground, &motion, &EXACT, &mut work());
+            match (first, found) {
+                (Some(first), Some(touch)) => {
+                    // Where it but grazes the floor, the time is known to the root of what the height is.
+                    assert!((touch.fraction - first).abs() < 1e-6, "round {round}: {first} {touch:?}");
+                    let bottom = touch.point.y - floor;
+                    assert!(bottom.abs() < 1e-6, "round {round}: {bottom} {touch:?}");
+                    touches += 1;
+                }
+                (None, None) => free += 1,
+                (first, found) => {
+                    let low = (0..=steps).map(|step| height(time(step))).fold(f64::INFINITY, f64::min);
+                    assert!(low.abs() < 1e-6, "round {round}: {first:?} {found:?}, lowest {low}");
+                }
+            }
+        }
+    }
+    assert!(touches > 150 && free > 100, "{touches} touches, {free} free");
+}

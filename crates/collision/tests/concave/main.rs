@@ -3,6 +3,7 @@
 mod agree;
 mod compounds;
 mod exact;
+mod extremes;
 mod fields;
 mod terrain;
 #[path = "../whole/mod.rs"]

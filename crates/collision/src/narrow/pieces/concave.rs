@@ -14,7 +14,7 @@ use crate::{
     broad::{ALL_LAYERS, Line, Path, Tree},
     math::{Aabb, Pose},
     narrow::{half_space::Body, place::Place},
-    shape::{Compound, Convex, Core, Geometry, GeometryId, HeightField, Mesh, Standing},
+    shape::{Compound, Convex, Core, Geometry, HeightField, Mesh, Standing},
     tolerance,
 };
 
@@ -38,9 +38,6 @@ enum Kind<'a> {
     /// The skin of a body.
     Field(&'a HeightField),
 }
-
-/// How two concave forms are put in order.
-type OrderKey = (u8, usize, GeometryId, [u64; 7]);
 
 impl<'a> Concave<'a> {
     pub(super) fn mesh(mesh: &'a Mesh, geometry: &'a Geometry, place: Place, part: Option<u32>) -> Self {
@@ -117,16 +114,25 @@ impl<'a> Concave<'a> {
         }
     }
 
-    /// What is taken apart first goes first.
-    pub(super) fn order_key(&self) -> OrderKey {
-        let count = match self.kind {
+    /// Whether it goes before another: what is taken apart first, then what has fewer pieces, then by content and pose.
+    pub(super) fn goes_before(&self, other: &Self) -> bool {
+        let pose = |form: &Self| {
+            let [x, y, z] = form.place.pose.position.to_array();
+            let [i, j, k, w] = form.place.pose.rotation.to_array();
+            [x, y, z, i, j, k, w].map(f64::to_bits)
+        };
+        let by_size = (self.rank(), self.piece_count()).cmp(&(other.rank(), other.piece_count()));
+        // The hash of a content takes a pass over it when it is first asked for.
+        let by_content = || self.geometry.id().cmp(&other.geometry.id());
+        by_size.then_with(by_content).then_with(|| pose(self).cmp(&pose(other))).is_lt()
+    }
+
+    fn piece_count(&self) -> usize {
+        match self.kind {
             Kind::Mesh(mesh) => mesh.triangles().len(),
             Kind::Compound(compound) => compound.parts().len(),
             Kind::Field(field) => field.cell_count(),
-        };
-        let [x, y, z] = self.place.pose.position.to_array();
-        let [i, j, k, w] = self.place.pose.rotation.to_array();
-        (self.rank(), count, self.geometry.id(), [x, y, z, i, j, k, w].map(f64::to_bits))
+        }
     }
 
     /// Visits the pieces whose boxes touch a box of its own frame (and maybe others), until the visitor breaks.

@@ -11,7 +11,8 @@
 //! A height field has an inside, which is asked by points ([`matter`]).
 //!
 //! # Limits
-//! A mesh is a surface: what lies wholly inside a closed one does not touch it.
+//! A mesh is a surface: what lies wholly inside a closed one does not touch it. Of two height fields the contacts are those
+//! of pieces of the first one's skin, so one that lies wholly in the other has contacts only as the first.
 
 mod concave;
 mod distance;
@@ -141,7 +142,7 @@ impl<'a> Ordered<'a> {
         let is_swapped = match (at_home(a), at_home(b)) {
             (Side::Convex(_), _) | (_, Side::Space(_)) => false,
             (_, Side::Convex(_)) | (Side::Space(_), _) => true,
-            (Side::Concave(a), Side::Concave(b)) => b.order_key() < a.order_key(),
+            (Side::Concave(a), Side::Concave(b)) => b.goes_before(&a),
         };
         let (first, second) = if is_swapped { (b, a) } else { (a, b) };
         let Some(compound) = [first, second].into_iter().find(Placed::is_compound) else {
