@@ -10,8 +10,8 @@ use collision::{
     narrow::{Faces, InitialTouch, Ray},
     shape::Geometry,
     world::{
-        Edit, EditRule, Filter, HitMode, Impact, Meter, Overlap, OverlapHit, RayHit, Raycast, Shape,
-        Snapshot, Subject, Time, TimeOfImpact, World,
+        Edit, EditRule, Filter, HitMode, Impact, Meter, Overlap, OverlapHit, RayHit, Raycast, Shape, Snapshot, Subject,
+        Time, TimeOfImpact, World,
     },
 };
 
