@@ -34,6 +34,19 @@ pub const SQUARE_MIN: f64 = 1e-276;
 /// `geometry_mesh.rs`, slivers.
 pub const CROSS_PRODUCT: f64 = 12.0 * ROUNDING;
 
+/// How far the height of a point above a corner, along the unit normal of a triangle or of one of its sides, may be off as a
+/// part of their distance: the normal is right to 16 roundings (a cross product of a cross product, each made a unit vector),
+/// the product adds 4 and the difference one for each coordinate; 64 are taken. Larger: more points near a surface are
+/// undecided. Smaller: a point on the surface might be taken for one inside. Test: `geometry_solid.rs`, balls.
+pub const TRIANGLE_PLANE: f64 = 64.0 * ROUNDING;
+
+/// The sine of the angle by which the surface of a mesh may rise along a direction that still counts as its normal there, and
+/// by which a triangle may lean that is still touched with its face: 2⁻²⁰, a millionth. Normals of gaps are right to far
+/// less, but those of round forms that all but touch are not. Larger: a form may feel an edge of a flat floor.
+/// Smaller: where no triangle's normal is right enough, all are taken for those of edges beside it. Pinned by
+/// `tests/mesh_floors.rs`.
+pub const SURFACE_LEAN: f64 = 1.0 / 1_048_576.0;
+
 /// A triangle's `a × b` that is smaller than this part of `max|a|·max|b|`, 2⁻⁴⁰, is found by exact sums. Where it is larger, the
 /// products of two roundings that the first order leaves out are less than 2⁻⁶⁴ of it. Larger: more triangles take exact sums.
 /// Smaller: the normals of needles lean. Test: `convex/hull.rs`, needles.

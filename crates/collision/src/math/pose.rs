@@ -117,12 +117,17 @@ impl Pose {
         if fraction <= 0.0 {
             return *self;
         }
-        let turn = self.rotation_vector_to(end);
-        let rotation = match turn.try_unit() {
+        let rotation = self.rotation_after(self.rotation_vector_to(end), fraction);
+        Self { position: self.position + (end.position - self.position) * fraction, rotation }
+    }
+
+    /// The rotation after a part of a turn, which is a rotation vector in the axes of the world.
+    #[must_use]
+    pub(crate) fn rotation_after(&self, turn: DVec3, fraction: f64) -> DQuat {
+        match turn.try_unit() {
             Some(axis) => DQuat::from_axis_angle(axis, turn.norm() * fraction) * self.unit_rotation(),
             None => self.rotation,
-        };
-        Self { position: self.position + (end.position - self.position) * fraction, rotation }
+        }
     }
 
     /// The square of the distance of both unit quaternions, of the two of equal rotation the nearer ones: 0 for equal

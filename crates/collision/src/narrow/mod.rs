@@ -190,7 +190,7 @@ pub fn distance_warm(
     }
 }
 
-/// Whether `a` and `b` touch; the bound is that of the signed distance, often one-sided.
+/// Whether `a` and `b` touch; the bound is that of the signed distance, often one-sided. What lies in a solid mesh touches it.
 pub fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
     if let Some(pair) = half_space::Pair::of(&a, &b) {
         return pair.overlap(work);
@@ -242,8 +242,17 @@ pub fn depth(a: Placed<'_>, b: Placed<'_>, max_gap: f64, accuracy: &Accuracy, wo
 /// Contacts of all pairs of convex pieces whose gap is not proved to be above `max_gap` metres, in order of pieces. Two half
 /// spaces that no way parts have a contact whose depth is bounded below only.
 ///
+/// A triangle of a mesh has the normals that the surface has there: its own, and on edges and corners that stick out those
+/// between the faces that meet. Where another would be a shorter way out, which only parts the form from this one triangle,
+/// the contact is told along the face there that is left soonest, and its depth and bounds are those along that normal. Across a
+/// gap such a contact is left out, as a neighbour is nearer.
+///
+/// Triangles of one-sided and solid meshes push to their front, and only forms whose middle is before them: the local origin, of
+/// a hull the mean of its farthest vertices along the axes.
+///
 /// # Errors
-/// [`NeedsDecomposition`] if both are meshes or compounds with such.
+/// [`NeedsDecomposition`] if both are meshes or compounds with such; if one is solid and the other has its middle in it (or may
+/// have), or touches it only from behind.
 pub fn penetration(
     a: Placed<'_>,
     b: Placed<'_>,
@@ -329,6 +338,12 @@ pub enum InitialTouch {
 /// The first touch of `a` and `b` in motion; `None` is a proof that the way is free. Linear motions are answered to
 /// rounding at any accuracy; of those that turn the interval is as wide as `accuracy` allows.
 ///
+/// Normals of a mesh are those that its surface has, as in [`penetration`]. What begins in a solid mesh touches it at the start.
+/// A triangle of a one-sided mesh is touched only from its front, and, where neither turns, not by what goes along its front
+/// or away from it; at the start only by what has its middle before it. One that is touched from its back first is
+/// passed over for the rest of the motion. So are those of a solid mesh where the initial touch is ignored: what
+/// begins inside leaves through its walls.
+///
 /// ```
 /// use collision::{DVec3, accuracy::{Accuracy, Tier}, answer::Work, math::Pose, shape::Geometry};
 /// use collision::narrow::{Motion, Placed, impact};
@@ -377,5 +392,5 @@ pub(crate) fn impact_of(
 
 /// The question needs convex parts, which a mesh, be it part of a compound, does not have yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("both geometries have meshes without convex parts")]
+#[error("both geometries have meshes without convex parts, or one is a solid mesh that the other is deep in")]
 pub struct NeedsDecomposition;

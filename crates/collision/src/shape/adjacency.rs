@@ -9,7 +9,8 @@ pub struct Adjacency {
     first_of_edge: Vec<u32>,
     open_edges: usize,
     non_manifold_edges: usize,
-    is_closed: bool,
+    duplicate_triangles: usize,
+    uneven_side: Option<u32>,
 }
 
 impl Adjacency {
@@ -21,8 +22,14 @@ impl Adjacency {
         };
         let mut sides: Vec<u32> = (0..).take(3 * triangles.len()).collect();
         sides.sort_unstable_by_key(|&side| (ends(side), side));
-        let mut adjacency =
-            Self { first_of_edge: vec![0; sides.len()], sides, open_edges: 0, non_manifold_edges: 0, is_closed: true };
+        let mut adjacency = Self {
+            first_of_edge: vec![0; sides.len()],
+            sides,
+            open_edges: 0,
+            non_manifold_edges: 0,
+            duplicate_triangles: duplicates(triangles),
+            uneven_side: None,
+        };
         let mut begin = 0;
         while begin < adjacency.sides.len() {
             let edge = ends(adjacency.sides[begin]);
@@ -32,7 +39,9 @@ impl Adjacency {
                 triangle[side as usize % 3] < triangle[(side as usize + 1) % 3]
             };
             let ups = adjacency.sides[begin..begin + count].iter().filter(|&&side| is_up(side)).count();
-            adjacency.is_closed &= 2 * ups == count;
+            if 2 * ups != count && adjacency.uneven_side.is_none() {
+                adjacency.uneven_side = Some(adjacency.sides[begin]);
+            }
             for &side in &adjacency.sides[begin..begin + count] {
                 adjacency.first_of_edge[side as usize] = u32::try_from(begin).unwrap_or(u32::MAX);
             }
@@ -67,13 +76,36 @@ impl Adjacency {
         self.non_manifold_edges
     }
 
+    /// Triangles with the same three vertices as an earlier one.
+    #[must_use]
+    pub fn duplicate_triangles(&self) -> usize {
+        self.duplicate_triangles
+    }
+
     /// Whether each edge is passed as often one way as the other.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        self.is_closed
+        self.uneven_side.is_none()
+    }
+
+    /// A side (triangle and number of its side) of an edge that is passed more often one way than the other; `None` if there
+    /// is no such edge.
+    #[must_use]
+    pub fn uneven_side(&self) -> Option<(usize, usize)> {
+        self.uneven_side.map(|side| (side as usize / 3, side as usize % 3))
     }
 
     pub(super) fn memory_bytes(&self) -> usize {
         size_of_val(self.sides.as_slice()) + size_of_val(self.first_of_edge.as_slice())
     }
+}
+
+fn duplicates(triangles: &[[u32; 3]]) -> usize {
+    let sorted = |&[a, b, c]: &[u32; 3]| {
+        let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+        [least, a ^ b ^ c ^ least ^ most, most]
+    };
+    let mut sets: Vec<[u32; 3]> = triangles.iter().map(sorted).collect();
+    sets.sort_unstable();
+    sets.windows(2).filter(|pair| pair[0] == pair[1]).count()
 }

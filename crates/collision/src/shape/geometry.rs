@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use super::{
-    Compound, Convex, Core, HalfSpace, HeightField, Hull, Mesh,
+    Compound, Convex, Core, HalfSpace, HeightField, Hull, Mesh, MeshMode,
     bounds::{local_bounds, placed_bounds, reach},
     compound::distinct,
     identity::content_hash,
@@ -13,6 +13,7 @@ use super::{
         AXES, GeometryError, Limits, check_coordinates, check_count, check_finite, check_size, check_size_or_zero,
         is_size, out_of_limits,
     },
+    mode,
 };
 use crate::math::{Aabb, Pose};
 
@@ -25,7 +26,7 @@ pub struct GeometryId(pub [u8; 32]);
 pub enum Form {
     /// A convex form.
     Convex(Convex),
-    /// A surface of triangles, felt from both sides.
+    /// Triangles, as a surface or a body.
     Mesh(Arc<Mesh>),
     /// Everything on one side of a plane.
     HalfSpace(HalfSpace),
@@ -181,6 +182,26 @@ impl Geometry {
     /// # Errors
     /// Not finite, out of limits, an index that names no vertex, no triangle at all.
     pub fn mesh(vertices: &[DVec3], indices: &[[u32; 3]]) -> Result<Self, GeometryError> {
+        Self::mesh_as(MeshMode::TwoSided, vertices, indices)
+    }
+
+    /// As [`Geometry::mesh`], with a mode. Open edges, edges of more than two triangles and triangles that are there twice are
+    /// taken (and counted in the report) unless it is [`MeshMode::Solid`].
+    ///
+    /// # Errors
+    /// As [`Geometry::mesh`]; a solid mesh that is not closed or not wound outwards ([`GeometryError::NotSolid`]).
+    ///
+    /// ```
+    /// use collision::{DVec3, shape::{Geometry, GeometryError, MeshMode, SolidFault}};
+    /// let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    /// let mut faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    /// assert!(Geometry::mesh_as(MeshMode::Solid, &corners, &faces).is_ok());
+    /// faces.pop();
+    /// let fault = SolidFault::OpenEdge { vertices: [2, 1], triangle: 0 };
+    /// let open = Geometry::mesh_as(MeshMode::Solid, &corners, &faces).unwrap_err();
+    /// assert_eq!(open, GeometryError::NotSolid { field: "indices".into(), fault });
+    /// ```
+    pub fn mesh_as(mode: MeshMode, vertices: &[DVec3], indices: &[[u32; 3]]) -> Result<Self, GeometryError> {
         let hint = "a mesh needs 1 to 4000000 triangles, three numbers each";
         check_count("indices", indices.len(), Limits::MESH_TRIANGLES, hint)?;
         let most = 3 * Limits::MESH_TRIANGLES;
@@ -194,7 +215,7 @@ impl Geometry {
                 });
             }
         }
-        Self::of_mesh(Mesh::new(vertices, indices), "indices")
+        Self::of_mesh(Mesh::new(vertices, indices, mode), "indices", |triangle, k| indices[triangle as usize][k])
     }
 
     /// The same form with all points within `rounding` of it; convex forms and half spaces only.
@@ -246,7 +267,10 @@ impl Geometry {
                         .into(),
                 });
             }
-            Form::Mesh(mesh) => return Self::of_mesh(mesh.scaled(scale), "scale"),
+            Form::Mesh(mesh) => {
+                let vertex = |triangle, k| mesh.kept_number(triangle).map_or(0, |kept| mesh.triangles()[kept][k]);
+                return Self::of_mesh(mesh.scaled(scale), "scale", vertex);
+            }
             Form::HalfSpace(half_space) => return Ok(Self::of(Form::HalfSpace(half_space.scaled(scale)?))),
             Form::Compound(compound) => return Self::of_compound(compound.scaled(scale)?, "scale"),
             Form::HeightField(field) => return field.scaled(scale),
@@ -280,7 +304,7 @@ impl Geometry {
 
     /// The hash of its content, computed when first asked: blake3 over the kind and its numbers as little-endian f64
     /// (−0 as +0). A hull counts by its distinct points in the order sent; a mesh by its distinct vertices in the order
-    /// of their first use and its kept triangles with the numbers they were sent with; a compound by the ids and poses of its
+    /// of their first use, its kept triangles with the numbers they were sent with, and its mode; a compound by the ids and poses of its
     /// parts; a height field by what was sent, its holes in order.
     #[must_use]
     pub fn id(&self) -> GeometryId {
@@ -347,13 +371,14 @@ impl Geometry {
         Self::of(Form::Convex(Convex { core, radius }))
     }
 
-    fn of_mesh(mesh: Mesh, field: &str) -> Result<Self, GeometryError> {
+    fn of_mesh(mesh: Mesh, field: &str, vertex_as_sent: impl Fn(u32, usize) -> u32) -> Result<Self, GeometryError> {
         if mesh.triangles().is_empty() {
             return Err(GeometryError::Bad {
                 field: field.into(),
                 reason: "no triangle has an area: at least one must".into(),
             });
         }
+        mode::check(&mesh, field, vertex_as_sent)?;
         Ok(Self::of(Form::Mesh(Arc::new(mesh))))
     }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Compound, Convex, Core, Form, GeometryId, HalfSpace, HeightField, Mesh, PartsAsked};
+use super::{Compound, Convex, Core, Form, GeometryId, HalfSpace, HeightField, Mesh, MeshMode, PartsAsked};
 
 /// Names the byte form below; another layout takes another name, so that ids of the two never meet.
 const LAYOUT: &[u8] = b"calipers geometry 1";
@@ -85,6 +85,12 @@ impl Content {
             for number in triangle.iter().chain([&mesh.sent_number(index)]) {
                 self.0.update(&number.to_le_bytes());
             }
+        }
+        // The lists before say how long they are, so one byte more is no other mesh; two-sided ones came first, without it.
+        match mesh.mode() {
+            MeshMode::TwoSided => {}
+            MeshMode::OneSided => self.kind(1),
+            MeshMode::Solid => self.kind(2),
         }
     }
 

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::SolidFault;
+
 /// The limits within which numbers are accepted.
 #[derive(Debug)]
 pub struct Limits;
@@ -70,6 +72,14 @@ pub enum GeometryError {
         found: usize,
         /// How many may be.
         most: usize,
+    },
+    /// A solid mesh that is no body.
+    #[error("{field} {fault}")]
+    NotSolid {
+        /// Which part.
+        field: String,
+        /// What is wrong and what would be right.
+        fault: SolidFault,
     },
     /// An index that names nothing, or a form that is none.
     #[error("{field}: {reason}")]

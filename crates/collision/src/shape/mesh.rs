@@ -7,15 +7,18 @@ use std::{
 
 use glam::DVec3;
 
-use super::{adjacency::Adjacency, bounds::around, parts::MeshParts};
+use super::{
+    adjacency::Adjacency, bounds::around, creases::Fans, islands::first_vertices, mode::MeshMode, parts::MeshParts,
+};
 use crate::{
     broad::StaticTree,
     math::{Aabb, expansion::ExactVector},
 };
 
-/// Triangles, felt from both sides.
+/// Triangles, and which side of them is matter.
 #[derive(Clone, Debug)]
 pub struct Mesh {
+    mode: MeshMode,
     vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     /// The number each triangle was sent with; empty if none was left out before it.
@@ -24,6 +27,8 @@ pub struct Mesh {
     triangles_sent: usize,
     merged_vertices: usize,
     adjacency: OnceLock<Adjacency>,
+    fans: OnceLock<Fans>,
+    part_vertices: OnceLock<Vec<u32>>,
     tree: OnceLock<StaticTree>,
     parts: Option<Arc<MeshParts>>,
 }
@@ -41,15 +46,17 @@ pub struct MeshReport {
     pub open_edges: usize,
     /// Edges with more than two.
     pub non_manifold_edges: usize,
+    /// Triangles with the same three vertices as an earlier one, however wound; they are kept.
+    pub duplicates: usize,
 }
 
 impl Mesh {
     /// Keeps the triangles with an area (decided exactly) and the vertices that they use, equal ones once. The numbers
     /// are finite and the indices name vertices, which the caller has checked.
     #[must_use]
-    pub(super) fn new(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+    pub(super) fn new(vertices: &[DVec3], triangles: &[[u32; 3]], mode: MeshMode) -> Self {
         let numbers: Vec<u32> = (0..).take(triangles.len()).collect();
-        Self::numbered(vertices, triangles, &numbers, triangles.len())
+        Self { mode, ..Self::numbered(vertices, triangles, &numbers, triangles.len()) }
     }
 
     /// The same triangles, each vertex `scale` times as far from the local origin, rounded to nearest.
@@ -57,13 +64,14 @@ impl Mesh {
     pub(super) fn scaled(&self, scale: f64) -> Self {
         let vertices: Vec<DVec3> = self.vertices.iter().map(|&vertex| vertex * scale).collect();
         let numbers: Vec<u32> = (0..self.triangles.len()).map(|index| self.sent_number(index)).collect();
-        Self::numbered(&vertices, &self.triangles, &numbers, self.triangles_sent)
+        Self { mode: self.mode, ..Self::numbered(&vertices, &self.triangles, &numbers, self.triangles_sent) }
     }
 
     fn numbered(vertices: &[DVec3], triangles: &[[u32; 3]], numbers: &[u32], triangles_sent: usize) -> Self {
         let (first_equal, merged_vertices) = first_equal(vertices);
         let mut kept_index = vec![u32::MAX; vertices.len()];
         let mut mesh = Self {
+            mode: MeshMode::TwoSided,
             vertices: Vec::new(),
             triangles: Vec::with_capacity(triangles.len()),
             sent_numbers: Vec::new(),
@@ -71,6 +79,8 @@ impl Mesh {
             triangles_sent,
             merged_vertices,
             adjacency: OnceLock::new(),
+            fans: OnceLock::new(),
+            part_vertices: OnceLock::new(),
             tree: OnceLock::new(),
             parts: None,
         };
@@ -111,6 +121,12 @@ impl Mesh {
     #[must_use]
     pub fn parts(&self) -> Option<&MeshParts> {
         self.parts.as_deref()
+    }
+
+    /// Which side of its triangles is matter.
+    #[must_use]
+    pub fn mode(&self) -> MeshMode {
+        self.mode
     }
 
     /// The distinct vertices that triangles use, in order of first use.
@@ -169,6 +185,17 @@ impl Mesh {
         self.adjacency.get_or_init(|| Adjacency::new(&self.triangles))
     }
 
+    /// A vertex of each connected part; the parts are found when first asked.
+    pub fn part_vertices(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let parts = self.part_vertices.get_or_init(|| first_vertices(self.vertices.len(), &self.triangles));
+        parts.iter().map(|&vertex| self.vertices[vertex as usize])
+    }
+
+    /// The triangles at each vertex; built when a contact first needs them.
+    pub(super) fn fans(&self) -> &Fans {
+        self.fans.get_or_init(|| Fans::new(self.vertices.len(), &self.triangles))
+    }
+
     /// The tree over the boxes of its triangles; built when a question first needs it. Leaves are kept triangles.
     #[must_use]
     pub fn tree(&self) -> &StaticTree {
@@ -194,6 +221,7 @@ impl Mesh {
             merged_vertices: self.merged_vertices,
             open_edges: adjacency.open_edges(),
             non_manifold_edges: adjacency.non_manifold_edges(),
+            duplicates: adjacency.duplicate_triangles(),
         }
     }
 
@@ -203,7 +231,9 @@ impl Mesh {
         let lists = size_of_val(self.vertices.as_slice())
             + size_of_val(self.triangles.as_slice())
             + size_of_val(self.sent_numbers.as_slice())
-            + self.adjacency.get().map_or(0, Adjacency::memory_bytes);
+            + self.adjacency.get().map_or(0, Adjacency::memory_bytes)
+            + self.fans.get().map_or(0, Fans::memory_bytes)
+            + self.part_vertices.get().map_or(0, |parts| size_of_val(parts.as_slice()));
         let parts = self.parts().map_or(0, |parts| parts.whole.memory_bytes());
         (size_of::<Self>() + lists) as u64 + parts + self.tree.get().map_or(0, StaticTree::memory_bytes)
     }

@@ -7,6 +7,9 @@
 //! seen along it, where a point on the line of an edge counts as moved off it by infinitely little (the same way for all
 //! triangles), and on which side of the triangle it begins by the exact sign of a volume.
 //!
+//! A place that is known but for rounding is where its middle is, if no triangle comes as near to that as the rounding: each
+//! triangle near it must be parted from it by its plane or by one of its sides.
+//!
 //! # Source
 //! Moving a point by infinitely little: Edelsbrunner, Mücke, "Simulation of Simplicity" (1990), section 4. Signs: Shewchuk,
 //! "Adaptive precision floating-point arithmetic" (1997), by the crate `robust`.
@@ -25,8 +28,8 @@ use super::Mesh;
 use crate::{
     answer::Work,
     broad::{self, ALL_LAYERS, Path, Tree},
-    math::Aabb,
-    tolerance::EXACT_PART_MIN,
+    math::{Aabb, expansion::triangle_cross, try_unit},
+    tolerance::{EXACT_PART_MIN, TRIANGLE_PLANE},
 };
 
 /// Where a point lies, as to a closed surface.
@@ -52,7 +55,7 @@ impl Mesh {
     /// round several times counts as often. `None` if it is not closed. Costs a pass over the triangles.
     #[must_use]
     pub fn volume(&self) -> Option<f64> {
-        let middle = self.tree().bounds()?.center();
+        let middle = self.bounds().center();
         let six_fold = |index: usize| {
             let [a, b, c] = self.corners(index).map(|corner| corner - middle);
             a.cross(b).dot(c)
@@ -95,11 +98,40 @@ impl Mesh {
         }
     }
 
+    /// Where all points within `radius` metres of a point lie; undecided unless they all are proved to lie alike. Costs as
+    /// [`Mesh::contains`], and the triangles near the point.
+    #[must_use]
+    pub fn contains_ball(&self, center: DVec3, radius: f64, work: &mut Work) -> Containment {
+        let side = self.contains(center, work);
+        if side == Containment::Undecided || radius == 0.0 {
+            return side;
+        }
+        let mut is_clear = true;
+        self.near_box(Aabb::new(center - radius, center + radius), work, |triangle| {
+            is_clear = is_clear && is_beyond(self.corners(triangle), center, radius);
+            if is_clear { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        if is_clear { side } else { Containment::Undecided }
+    }
+
     /// Calls `visit` with each triangle that may meet a box, until it breaks.
     pub(crate) fn near_box(&self, bounds: Aabb, work: &mut Work, mut visit: impl FnMut(usize) -> ControlFlow<()>) {
         let Ok(()) =
             self.tree().visit_box(bounds, ALL_LAYERS, work, |_, leaf| Ok::<_, Infallible>(visit(leaf as usize)));
     }
+}
+
+/// Whether a triangle is proved to be farther from a point than `radius`.
+fn is_beyond([a, b, c]: [DVec3; 3], point: DVec3, radius: f64) -> bool {
+    let parted_by = |normal: DVec3, corner: DVec3| {
+        let apart = point - corner;
+        normal.dot(apart) > radius + TRIANGLE_PLANE * (apart.length() + radius)
+    };
+    let Some(front) = try_unit(triangle_cross([a, b, c])) else { return false };
+    let by_side = |from: DVec3, to: DVec3| {
+        try_unit((to - from).cross(front)).is_some_and(|outwards| parted_by(outwards, from) && parted_by(outwards, to))
+    };
+    parted_by(front, a) || parted_by(-front, a) || by_side(a, b) || by_side(b, c) || by_side(c, a)
 }
 
 /// A ray along an axis.

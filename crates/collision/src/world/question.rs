@@ -65,8 +65,8 @@ pub enum QuestionError {
     /// The subject is a half space, by its id if it is a shape: only what it is asked against may be one.
     #[error("{} is a half space, which no question is asked about: ask about the other form, against it", .0.map_or("the subject".into(), |id| format!("shape {id}")))]
     SubjectUnbounded(Option<ShapeId>),
-    /// Depth between two meshes, or compounds with such, needs convex parts.
-    #[error("{} and the subject both have meshes without convex parts", .0.map_or("what it is tested against".into(), |id| format!("shape {id}")))]
+    /// Depth between two meshes, or compounds with such, or of what is deep in a solid one, needs convex parts.
+    #[error("{} and the subject both have meshes without convex parts, or one is deep in the other, a solid one", .0.map_or("what it is tested against".into(), |id| format!("shape {id}")))]
     NeedsDecomposition(Option<ShapeId>),
     /// The subject, by its id if it is a shape, must be convex for this question.
     #[error("{} is not convex, which this question needs", .0.map_or("the subject".into(), |id| format!("shape {id}")))]

@@ -71,7 +71,7 @@ pub(crate) fn depth(
 /// What is said of a pair that may be no more than `max_gap` metres apart. The pair and its touch stay where they are made:
 /// they are large to copy.
 #[inline(always)]
-fn judge<Answer>(
+pub(super) fn judge<Answer>(
     a: PlacedConvex<'_>,
     b: PlacedConvex<'_>,
     max_gap: f64,
@@ -98,14 +98,14 @@ fn judge<Answer>(
 }
 
 /// How a pair touches, and what that proves.
-struct Judged<'p> {
-    pair: &'p Pair<'p>,
-    touch: &'p Touch,
-    verdict: Verdict,
+pub(super) struct Judged<'p> {
+    pub(super) pair: &'p Pair<'p>,
+    pub(super) touch: &'p Touch,
+    pub(super) verdict: Verdict,
 }
 
 impl Judged<'_> {
-    fn contact(&self) -> Contact {
+    pub(super) fn contact(&self) -> Contact {
         let Self { pair, touch, .. } = self;
         let touching = manifold::points(pair, touch);
         let points = touching.iter().map(|point| {

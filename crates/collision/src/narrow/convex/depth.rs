@@ -201,7 +201,7 @@ fn narrowed(pair: &Pair<'_>, touch: Touch, budget: u32, is_enough: &impl Fn(f64,
 
 /// The points that are known, or the farthest ones along the normal, whichever lie less far beside it, each on its form's plane
 /// across the normal.
-fn deepest(pair: &Pair<'_>, normal: DVec3, known: Option<(DVec3, DVec3)>) -> (DVec3, DVec3) {
+pub(super) fn deepest(pair: &Pair<'_>, normal: DVec3, known: Option<(DVec3, DVec3)>) -> (DVec3, DVec3) {
     let (a, b) = (pair.a.support(DVec3::ZERO - normal).point, pair.b.support(normal).point);
     let beside = |(on_a, on_b): (DVec3, DVec3)| {
         let apart = on_a - on_b;

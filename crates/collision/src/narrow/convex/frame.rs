@@ -78,6 +78,11 @@ impl<'a> Pair<'a> {
         self.axes.transpose() * world * self.scale
     }
 
+    /// A direction of the world, taken into the frame.
+    pub(super) fn direction_in(&self, direction: DVec3) -> DVec3 {
+        self.axes.transpose() * direction
+    }
+
     /// A point of the frame in the world.
     pub(super) fn point_out(&self, point: DVec3) -> DVec3 {
         self.axes * (point * self.unscale) + self.origin

@@ -7,6 +7,7 @@
 //!
 //! Arguments are put in a fixed order first (kind, content, pose), so that swapping them swaps the answer bit by bit.
 
+mod along;
 mod axes;
 mod balls;
 mod body;
@@ -45,6 +46,7 @@ use crate::{math::Pose, shape::Convex};
 
 pub use warm::Warm;
 
+pub(crate) use along::{Ruling, penetration_ruled};
 pub(crate) use contact::{depth, penetration, penetration_warm};
 pub(crate) use impact::impact;
 pub(crate) use separation::{distance, distance_warm, overlap, within};

@@ -11,13 +11,13 @@
 //! A start that is ignored is ignored triangle by triangle, each of which is searched by itself. Two half spaces
 //! of which one turns touch as soon as they are not parallel: what is not proved to touch at the start stays open.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 use super::{Above, Body, Low};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Verdict, Work},
-    math::{Norm, Pose, try_unit},
+    math::{Norm, Pose},
     narrow::{
         ImpactTouch, InitialTouch,
         advance::{self, Gaps, Instant, Look, Paces, Width},
@@ -120,10 +120,10 @@ impl<'a> Search<'a> {
     /// Where both are at a time.
     fn at(&self, time: f64) -> Above<'a> {
         let [rotation, tilt] = self.ways.rotations;
-        let arm = Pose::new(DVec3::ZERO, turned(rotation, time, &Pose::IDENTITY)).transform_point(self.above.arm);
+        let arm = Pose::new(DVec3::ZERO, Pose::IDENTITY.rotation_after(rotation, time)).transform_point(self.above.arm);
         let position = self.apart + self.way * time + arm;
-        let pose = Pose::new(position, turned(rotation, time, &self.above.pose));
-        let space_pose = Pose::new(DVec3::ZERO, turned(tilt, time, &self.above.space_pose));
+        let pose = Pose::new(position, self.above.pose.rotation_after(rotation, time));
+        let space_pose = Pose::new(DVec3::ZERO, self.above.space_pose.rotation_after(tilt, time));
         let place = Place { pose, blur: 0.0, arm };
         Above::of(self.body, self.above.reach, &place, self.above.half_space, space_pose)
     }
@@ -187,13 +187,5 @@ impl Gaps for Search<'_> {
 
     fn remaining(&self) -> u32 {
         self.budget.saturating_sub(self.iterations)
-    }
-}
-
-/// The rotation of a pose after part of a turn.
-fn turned(rotation: DVec3, time: f64, pose: &Pose) -> DQuat {
-    match try_unit(rotation) {
-        Some(axis) => DQuat::from_axis_angle(axis, rotation.norm() * time) * pose.unit_rotation(),
-        None => pose.rotation,
     }
 }

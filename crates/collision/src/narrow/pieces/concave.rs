@@ -8,7 +8,7 @@ use std::{convert::Infallible, ops::ControlFlow};
 
 use glam::DVec3;
 
-use super::{Piece, Side};
+use super::{Facet, Piece, Side};
 use crate::{
     answer::{Feature, Work},
     broad::{ALL_LAYERS, Line, Path, Tree},
@@ -103,6 +103,14 @@ impl<'a> Concave<'a> {
     /// Which part it is.
     pub(super) fn feature(&self) -> Feature {
         Feature { part: self.part, face: None }
+    }
+
+    /// The mesh, if it is one.
+    pub(super) fn as_mesh(&self) -> Option<&'a Mesh> {
+        match self.kind {
+            Kind::Mesh(mesh) => Some(mesh),
+            Kind::Compound(_) | Kind::Field(_) => None,
+        }
     }
 
     /// Whether some of its pieces are parts of a surface, which has no depth of its own.
@@ -200,12 +208,13 @@ impl<'a> Concave<'a> {
             Kind::Mesh(mesh) => {
                 let convex = &Convex { core: Core::Triangle(mesh.corners(index)), radius: 0.0 };
                 let feature = Feature { part: self.part, face: Some(mesh.sent_number(index)) };
-                ask(Side::Convex(Piece { convex, place: self.place, feature, skin: false }))
+                let facet = Some(Facet { mesh, triangle: index });
+                ask(Side::Convex(Piece { convex, place: self.place, feature, skin: false, facet }))
             }
             Kind::Field(field) => {
                 let convex = &Convex { core: Core::Triangle(field.corners(index)), radius: 0.0 };
                 let feature = Feature { part: self.part, face: Some(HeightField::cell_of(index) as u32) };
-                ask(Side::Convex(Piece { convex, place: self.place, feature, skin: true }))
+                ask(Side::Convex(Piece { convex, place: self.place, feature, skin: true, facet: None }))
             }
             Kind::Compound(compound) => {
                 let part = &compound.parts()[index];

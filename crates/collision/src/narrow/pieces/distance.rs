@@ -1,11 +1,17 @@
 //! How far a concave form is from another form.
 
+use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::{Next, Ordered, Side, matter::Met, next};
+use super::{
+    Next, Ordered, Side,
+    inside::{Held, held},
+    matter::Met,
+    next,
+};
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
     narrow::{Placed, Separation, convex},
 };
 
@@ -33,15 +39,31 @@ struct Nearest {
     /// Nothing farther counts: what was asked, and what is proved.
     limit: f64,
     asked: f64,
+    /// One of the forms may lie inside the other, so that they touch.
+    may_be_inside: bool,
 }
 
 impl Nearest {
     fn within(limit: f64) -> Self {
-        Self { candidates: SmallVec::new(), limit, asked: limit }
+        Self { candidates: SmallVec::new(), limit, asked: limit, may_be_inside: false }
+    }
+
+    /// Measures what may be nearest of two forms.
+    fn search(&mut self, a: &Side<'_>, b: &Side<'_>, accuracy: &Accuracy, work: &mut Work) {
+        match held(a, b, work) {
+            Held::No => self.search_pieces(a, b, accuracy, work),
+            Held::Surely(point) => self.offer(touching_at(point)),
+            Held::Open => {
+                // The surface is near then, if not as near as was asked; it bounds the distance above.
+                self.may_be_inside = true;
+                self.limit = if self.candidates.is_empty() { f64::INFINITY } else { self.limit };
+                self.search_pieces(a, b, accuracy, work);
+            }
+        }
     }
 
     /// Measures what may be nearest of two forms, nearest pieces first.
-    fn search(&mut self, a: &Side<'_>, b: &Side<'_>, accuracy: &Accuracy, work: &mut Work) {
+    fn search_pieces(&mut self, a: &Side<'_>, b: &Side<'_>, accuracy: &Accuracy, work: &mut Work) {
         match next(a, b) {
             Next::Ask(a, b) => {
                 if let Some(mut found) = convex::distance(a.placed(), b.placed(), self.limit, accuracy, work) {
@@ -93,7 +115,8 @@ impl Nearest {
     /// The nearest, bounded by all that may be; of equals that of the least piece.
     fn merged(self) -> Option<Separation> {
         let bounds = || self.candidates.iter().map(|candidate| candidate.certificate.bound);
-        let lower = bounds().map(|bound| bound.lower).fold(f64::INFINITY, f64::min);
+        let least = bounds().map(|bound| bound.lower).fold(f64::INFINITY, f64::min);
+        let lower = if self.may_be_inside { 0.0 } else { least };
         let upper = bounds().map(|bound| bound.upper).fold(f64::INFINITY, f64::min);
         let winner = self.candidates.iter().min_by(|a, b| {
             let pieces = |found: &Separation| (found.feature_a, found.feature_b);
@@ -104,5 +127,24 @@ impl Nearest {
         merged.certificate.verdict = if upper <= self.asked { Verdict::Hit } else { Verdict::Undecided };
         merged.distance = merged.distance.clamp(lower, upper);
         Some(merged)
+    }
+}
+
+/// The distance of a form that holds a point of the other.
+fn touching_at(point: DVec3) -> Separation {
+    Separation {
+        distance: 0.0,
+        point_on_a: point,
+        point_on_b: point,
+        normal_b_to_a: None,
+        feature_a: Feature::default(),
+        feature_b: Feature::default(),
+        certificate: Certificate {
+            verdict: Verdict::Hit,
+            bound: Bound::new(0.0, 0.0),
+            method: Method::ClosedForm,
+            stop: Stop::Converged,
+            iterations: 1,
+        },
     }
 }

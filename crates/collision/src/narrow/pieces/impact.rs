@@ -4,15 +4,16 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::{
-    Next, Ordered, Piece, Side,
+    Next, Ordered, Piece, Side, facet,
+    inside::{Held, held, instant_held},
     matter::Met,
-    next,
+    next, overlap,
     sweep::{swept, turned},
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Feature, Verdict, Work},
-    narrow::{ImpactTouch, InitialTouch, Motion, Placed, convex},
+    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    narrow::{ImpactTouch, InitialTouch, Motion, Placed},
 };
 
 /// The first touch of `a` and `b`, one of them concave; `None` is a proof that the way is free. An initial touch that is
@@ -24,12 +25,21 @@ pub(in crate::narrow) fn impact(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
-    let Ordered { first: a, second: b, is_swapped, origin } = Ordered::new(a, b);
-    let motion = if is_swapped { &motion.swapped() } else { motion };
+    let Ordered { first: side_a, second: side_b, is_swapped, origin } = Ordered::new(a, b);
+    let (a, b, motion) = if is_swapped { (b, a, &motion.swapped()) } else { (a, b, motion) };
     let mut first = First::default();
-    first.search(&a, &b, &Ask { motion, accuracy, skin: Skin::FromBothSides }, work);
+    first.search(&side_a, &side_b, &Ask { motion, accuracy, skin: Skin::FromBothSides }, work);
     let Candidate { mut touch, feature_a } = first.winner()?;
     touch.point += origin;
+    let Certificate { verdict, bound: Bound { lower, .. }, .. } = touch.certificate;
+    if verdict == Verdict::Undecided
+        && (motion.initial == InitialTouch::Counts || overlap(a, b, accuracy, work).verdict == Verdict::Miss)
+        && let Some(instant) = instant_held(a, b, motion, lower, work)
+    {
+        touch.certificate =
+            Certificate { verdict: Verdict::Hit, bound: Bound::new(lower, instant), ..touch.certificate };
+        touch.fraction = touch.fraction.clamp(lower, instant);
+    }
     if !is_swapped {
         return Some(touch);
     }
@@ -95,10 +105,20 @@ impl Default for First {
 
 impl First {
     fn search(&mut self, a: &Side<'_>, b: &Side<'_>, ask: &Ask<'_>, work: &mut Work) {
+        if ask.motion.initial == InitialTouch::Counts {
+            match held(a, b, work) {
+                Held::No => {}
+                Held::Surely(point) => return self.take(beginning_inside(point, Verdict::Hit)),
+                Held::Open => self.take(beginning_inside(a.place().pose.position, Verdict::Undecided)),
+            }
+        }
+        self.search_pieces(a, b, ask, work);
+    }
+
+    fn search_pieces(&mut self, a: &Side<'_>, b: &Side<'_>, ask: &Ask<'_>, work: &mut Work) {
         match next(a, b) {
             Next::Ask(a, b) => {
-                let arms = [a.place.arm, b.place.arm];
-                let touch = convex::impact(a.placed(), b.placed(), ask.motion, arms, ask.accuracy, work);
+                let touch = facet::impact(a, b, ask.motion, ask.accuracy, work);
                 if let Some(touch) = touch.filter(|touch| !ask.leaves(a, b, touch)) {
                     self.take(Candidate { touch: ImpactTouch { feature_b: b.feature, ..touch }, feature_a: a.feature });
                 }
@@ -187,4 +207,19 @@ impl First {
         winner.touch.fraction = winner.touch.fraction.clamp(lower, upper);
         Some(winner)
     }
+}
+
+/// The touch of forms of which one may hold the other at the start.
+fn beginning_inside(point: DVec3, verdict: Verdict) -> Candidate {
+    let certificate = Certificate {
+        verdict,
+        bound: Bound::new(0.0, 0.0),
+        method: Method::ClosedForm,
+        stop: Stop::Converged,
+        iterations: 1,
+    };
+    let feature = Feature::default();
+    let touch =
+        ImpactTouch { fraction: 0.0, point, normal_b_to_a: None, initial: true, feature_b: feature, certificate };
+    Candidate { touch, feature_a: feature }
 }

@@ -10,13 +10,18 @@
 //!
 //! A height field has an inside, which is asked by points ([`matter`]).
 //!
+//! A mesh is asked as its triangles. Of a solid one it is also asked whether it holds the other form ([`inside`]); which normals
+//! the triangles have, and from which side they are felt, is told by [`facet`].
+//!
 //! # Limits
-//! A mesh is a surface: what lies wholly inside a closed one does not touch it. Of two height fields the contacts are those
-//! of pieces of the first one's skin, so one that lies wholly in the other has contacts only as the first.
+//! A mesh that is not solid is a surface: what lies wholly inside a closed one does not touch it. Of two height fields the
+//! contacts are those of pieces of the first one's skin, so one that lies wholly in the other has contacts only as the first.
 
 mod concave;
 mod distance;
+mod facet;
 mod impact;
+mod inside;
 mod matter;
 mod overlap;
 mod penetration;
@@ -24,7 +29,7 @@ mod sweep;
 
 use glam::DVec3;
 
-use self::concave::Concave;
+use self::{concave::Concave, facet::Facet};
 pub(super) use self::{
     distance::distance,
     impact::{First, impact},
@@ -60,6 +65,8 @@ struct Piece<'a> {
     feature: Feature,
     /// It is a triangle of the skin of a body, whose corners go counter-clockwise seen from outside.
     skin: bool,
+    /// The triangle, if it is one of a mesh.
+    facet: Option<Facet<'a>>,
 }
 
 /// A half space.
@@ -81,7 +88,7 @@ impl<'a> Side<'a> {
     fn of(geometry: &'a Geometry, place: Place, part: Option<u32>) -> Self {
         match geometry.form() {
             Form::Convex(convex) => {
-                Self::Convex(Piece { convex, place, feature: Feature { part, face: None }, skin: false })
+                Self::Convex(Piece { convex, place, feature: Feature { part, face: None }, skin: false, facet: None })
             }
             Form::Mesh(mesh) => Self::Concave(Concave::mesh(mesh, geometry, place, part)),
             Form::Compound(compound) => Self::Concave(Concave::compound(compound, geometry, place, part)),

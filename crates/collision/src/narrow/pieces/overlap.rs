@@ -2,7 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use super::{Next, Ordered, Side, matter::Met, next};
+use super::{
+    Next, Ordered, Side,
+    inside::{Held, held},
+    matter::Met,
+    next,
+};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Method, Stop, Verdict, Work},
@@ -42,6 +47,29 @@ impl Touching {
     }
 
     fn search(&mut self, a: &Side<'_>, b: &Side<'_>, accuracy: &Accuracy, work: &mut Work) {
+        self.search_pieces(a, b, accuracy, work);
+        if self.certificate.verdict != Verdict::Hit {
+            self.take_held(held(a, b, work));
+        }
+    }
+
+    /// What is known once it is told whether one of the forms is inside the other.
+    fn take_held(&mut self, held: Held) {
+        let (verdict, upper) = match held {
+            Held::No => return,
+            Held::Surely(_) => (Verdict::Hit, 0.0),
+            Held::Open => (Verdict::Undecided, f64::INFINITY),
+        };
+        self.take(Certificate {
+            verdict,
+            bound: Bound::new(f64::NEG_INFINITY, upper),
+            method: Method::ClosedForm,
+            stop: Stop::Converged,
+            iterations: 1,
+        });
+    }
+
+    fn search_pieces(&mut self, a: &Side<'_>, b: &Side<'_>, accuracy: &Accuracy, work: &mut Work) {
         match next(a, b) {
             Next::Ask(a, b) => self.take(convex::overlap(a.placed(), b.placed(), accuracy, work)),
             Next::AskSpace(form, space) => {

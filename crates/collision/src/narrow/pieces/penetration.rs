@@ -5,20 +5,23 @@ use std::ops::ControlFlow;
 use super::{
     Next, Ordered, Piece, Side,
     concave::Concave,
+    facet,
+    inside::{Held, middle_held},
     matter::{self, Met},
     next, overlap,
 };
 use crate::{
     accuracy::Accuracy,
     answer::{StandIn, Verdict, Work},
-    narrow::{Contact, Contacts, NeedsDecomposition, Placed, convex},
-    shape::{MeshParts, Standing},
+    narrow::{Contact, Contacts, NeedsDecomposition, Placed},
+    shape::{MeshMode, MeshParts, Standing},
 };
 
 /// Contacts of all pairs of pieces whose gap is not proved to be above `max_gap` metres, by piece.
 ///
 /// # Errors
-/// [`NeedsDecomposition`] if both have surfaces, and neither is a mesh with convex parts.
+/// [`NeedsDecomposition`] if both have surfaces, or if the middle of a form lies in a solid mesh (or may do so), or all that it
+/// touches of one faces away from its middle; and neither is a mesh with convex parts.
 pub(in crate::narrow) fn penetration(
     a: Placed<'_>,
     b: Placed<'_>,
@@ -33,8 +36,12 @@ pub(in crate::narrow) fn penetration(
     {
         return by_parts(a, b, max_gap, accuracy, work);
     }
-    let mut found = Touching { contacts: Contacts::new(), max_gap, accuracy };
+    let mut found =
+        Touching { contacts: Contacts::new(), max_gap, accuracy, is_deep: false, is_touched_from_back: false };
     found.search(&first, &second, work);
+    if found.is_deep {
+        return by_parts(a, b, max_gap, accuracy, work);
+    }
     let mut contacts = found.contacts;
     if is_swapped {
         contacts = contacts.into_iter().map(Contact::swapped).collect();
@@ -47,7 +54,7 @@ pub(in crate::narrow) fn penetration(
     Ok(contacts)
 }
 
-/// Contacts of two surfaces, of which the convex parts of those that bring some stand in for them. What parts say of meshes: they
+/// Contacts of two surfaces, or of what is deep in a solid, of which the convex parts of those that bring some stand in for them. What parts say of meshes: they
 /// are apart if the parts are farther apart than the meshes lie outside of them. That meshes touch only they tell themselves.
 fn by_parts(
     a: Placed<'_>,
@@ -84,13 +91,20 @@ struct Touching<'a> {
     contacts: Contacts,
     max_gap: f64,
     accuracy: &'a Accuracy,
+    /// A solid mesh is not only touched: a contact with its surface does not tell how to part from it.
+    is_deep: bool,
+    /// Some triangle of the form that is being asked is touched, but not from its front.
+    is_touched_from_back: bool,
 }
 
 impl Touching<'_> {
     fn search(&mut self, a: &Side<'_>, b: &Side<'_>, work: &mut Work) {
         let known = self.contacts.len();
         match next(a, b) {
-            Next::Ask(a, b) => self.contacts.extend(self.contact(a, b, work)),
+            Next::Ask(a, b) => {
+                let found = self.contact(a, b, work);
+                self.contacts.extend(found);
+            }
             Next::AskSpace(form, space) => {
                 if let Some((pair, feature)) = space.below(form) {
                     self.contacts.extend(pair.penetration(self.max_gap, work).into_iter().map(|mut found| {
@@ -100,19 +114,23 @@ impl Touching<'_> {
                 }
             }
             Next::SplitFirst(a, b) => {
+                self.begin(a, b, work);
                 a.in_box(a.box_of(b).inflated(self.max_gap), work, |piece, work| {
                     self.search(&piece, b, work);
                     ControlFlow::Continue(())
                 });
+                self.end(a, known);
                 if self.contacts.len() == known {
                     self.contacts.extend(deep_inside(a, b, work).map(Contact::swapped));
                 }
             }
             Next::SplitSecond(a, b) => {
+                self.begin(b, a, work);
                 b.in_box(b.box_of(a).inflated(self.max_gap), work, |piece, work| {
                     self.search(a, &piece, work);
                     ControlFlow::Continue(())
                 });
+                self.end(b, known);
                 if self.contacts.len() == known {
                     self.contacts.extend(deep_inside(b, a, work));
                 }
@@ -120,9 +138,25 @@ impl Touching<'_> {
         }
     }
 
-    fn contact(&self, a: &Piece<'_>, b: &Piece<'_>, work: &mut Work) -> Option<Contact> {
-        let found = convex::penetration(a.placed(), b.placed(), self.max_gap, self.accuracy, work)?;
-        let found = Contact { feature_a: a.feature, feature_b: b.feature, ..found };
+    /// Before the pieces of a concave form are asked.
+    fn begin(&mut self, concave: &Concave<'_>, other: &Side<'_>, work: &mut Work) {
+        self.is_touched_from_back = false;
+        if let Side::Convex(piece) = other {
+            self.is_deep |= middle_held(piece, concave, work) != Held::No;
+        }
+    }
+
+    /// After that, where so many contacts were known: a form that touches a solid only from behind its surface is deep in it.
+    fn end(&mut self, concave: &Concave<'_>, known: usize) {
+        let is_solid = concave.as_mesh().is_some_and(|mesh| mesh.mode() == MeshMode::Solid);
+        let mut touching = self.contacts[known..].iter().filter(|found| found.certificate.verdict != Verdict::Miss);
+        self.is_deep |= is_solid && self.is_touched_from_back && touching.next().is_none();
+    }
+
+    fn contact(&mut self, a: &Piece<'_>, b: &Piece<'_>, work: &mut Work) -> Option<Contact> {
+        let felt = facet::contact(a, b, self.max_gap, self.accuracy, work);
+        self.is_touched_from_back |= felt.is_from_back;
+        let found = Contact { feature_a: a.feature, feature_b: b.feature, ..felt.contact? };
         match (a.skin, b.skin) {
             (_, true) => matter::out_of(a, b, found, work),
             (true, false) => matter::out_of(b, a, found.swapped(), work).map(Contact::swapped),

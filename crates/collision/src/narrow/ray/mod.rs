@@ -22,6 +22,7 @@ mod nearest;
 mod polytope;
 mod round;
 mod rounded;
+mod solid;
 mod stretch;
 mod surface;
 mod triangle;
@@ -115,9 +116,11 @@ pub struct RayTouches {
 /// Where a ray meets a geometry first. An absent touch is a proof that there is none between the ray's `min_distance` and
 /// `max_distance`. A body is full unless the ray says `hollow`: a ray that begins inside touches where it begins.
 ///
-/// A mesh is a surface: it has no inside, both sides count unless the ray's [`Faces`] say otherwise, and a ray in the plane
-/// of a triangle does not meet that triangle. Where triangles share an edge the least number wins. An undecided touch does not hide a certain one behind
-/// it: see [`RayTouches`]. A height field is a body. A compound is met where the first of its parts is; each part is full, hollow or
+/// A mesh is a surface unless it is solid: it has no inside, both sides count unless the ray's [`Faces`] say otherwise, and a
+/// ray in the plane of a triangle does not meet that triangle. Of a one-sided mesh only fronts count, whatever the ray says, so
+/// that a ray for backs goes through. A solid mesh is a body: a ray that begins in it touches where it begins, unless it says
+/// `hollow` or asks for fronts or backs only. Where triangles share an edge the least number wins. An undecided touch does not
+/// hide a certain one behind it: see [`RayTouches`]. A height field is a body. A compound is met where the first of its parts is; each part is full, hollow or
 /// culled by itself.
 ///
 /// ```
@@ -148,7 +151,7 @@ pub(crate) fn raycast_of(aim: &Aim<'_>, target: Operand<'_>, accuracy: &Accuracy
         return convex_touches(aim, &simple.convex(), (about, &pose), accuracy, work);
     }
     match geometry.form() {
-        Form::Mesh(mesh) => mesh::touches(aim, (mesh.as_ref(), geometry), &Place::of(pose), work),
+        Form::Mesh(mesh) => solid::touches(aim, (mesh.as_ref(), geometry), &Place::of(pose), work),
         Form::HalfSpace(half_space) => {
             work.pairs_tested += 1;
             work.iterations += 1;

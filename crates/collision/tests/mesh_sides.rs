@@ -1,0 +1,202 @@
+//! Modes of meshes: what a one-sided one feels, how rays meet each, what is no body, and that they are told apart.
+
+mod meshes;
+mod whole;
+
+use collision::{
+    DVec3,
+    accuracy::{Accuracy, Tier},
+    answer::{Verdict, Work},
+    math::Pose,
+    narrow::{Faces, Motion, Placed, Ray, RayTouches, distance, impact, overlap, penetration, raycast},
+    shape::{Geometry, GeometryError, MeshMode, SolidFault},
+};
+use meshes::{CUBE, Tally, convex, pose, ray, solid_box};
+use whole::Numbers;
+
+const EXACT: Accuracy = Accuracy::of(Tier::Exact);
+
+fn at(geometry: &Geometry, pose: Pose) -> Placed<'_> {
+    Placed { geometry, pose }
+}
+
+fn work() -> Work {
+    Work::default()
+}
+
+#[test]
+fn a_solid_box_stops_rays_as_a_box() {
+    let mut numbers = Numbers::new(107);
+    let (mut tally, mut inside) = (Tally::default(), 0);
+    for round in 0..10_000 {
+        let half = numbers.shares().abs() + 0.05;
+        let (mesh, body) = (solid_box(half), Geometry::cuboid(half).expect("a box"));
+        let place = numbers.shares() * [1.0, 1e3, 1e6][round % 3];
+        let here = pose(&mut numbers, place, round % 4 != 0);
+        let ray = ray(&mut numbers, here.position);
+        let ask = |target: &Geometry| raycast(&ray, at(target, here), &EXACT, &mut work());
+        let (RayTouches { certain: found, undecided }, expected) = (ask(&mesh), ask(&body).certain);
+        let context =
+            || format!("round {round}: {ray:?} at {half:?} at {here:?}:\n{found:?}\n{expected:?}\n{undecided:?}");
+        assert_eq!(found.is_some(), expected.is_some(), "{}", context());
+        tally.count(if found.is_some() { Verdict::Hit } else { Verdict::Miss });
+        if let (Some(touch), Some(known)) = (found, expected) {
+            assert!(
+                touch.certificate.bound.lower <= known.certificate.bound.upper
+                    && known.certificate.bound.lower <= touch.certificate.bound.upper,
+                "{}",
+                context()
+            );
+            assert_eq!((touch.inside, touch.normal.is_some()), (known.inside, known.normal.is_some()), "{}", context());
+            inside += u32::from(touch.inside);
+        }
+    }
+    assert!(tally.is_balanced() && inside > 150, "{tally:?}, {inside} begin inside");
+}
+
+/// Triangles that share no vertex, two-sided and one-sided, and each front normal.
+fn fronts(numbers: &mut Numbers) -> (Geometry, Geometry, Vec<DVec3>) {
+    let points: Vec<DVec3> = (0..36).map(|_| numbers.shares()).collect();
+    let triangles: Vec<[u32; 3]> = (0..12).map(|first| [first, first + 12, first + 24]).collect();
+    let normal = |&[a, b, c]: &[u32; 3]| {
+        let corner = |vertex: u32| points[vertex as usize];
+        (corner(b) - corner(a)).cross(corner(c) - corner(a)).normalize()
+    };
+    let of_mode = |mode| Geometry::mesh_as(mode, &points, &triangles).expect("triangles");
+    (of_mode(MeshMode::TwoSided), of_mode(MeshMode::OneSided), triangles.iter().map(normal).collect())
+}
+
+#[test]
+fn a_one_sided_mesh_stops_rays_with_its_fronts() {
+    let mut numbers = Numbers::new(127);
+    let mut tally = Tally::default();
+    for round in 0..1_000 {
+        let (two_sided, one_sided, _) = fronts(&mut numbers);
+        let here = pose(&mut numbers, DVec3::splat(3.0), round % 4 != 0);
+        let ray = ray(&mut numbers, here.position);
+        let ask = |target: &Geometry, faces| raycast(&Ray { faces, ..ray }, at(target, here), &EXACT, &mut work());
+        let distances = |touches: RayTouches| {
+            [touches.certain, touches.undecided].map(|touch| touch.map(|touch| (touch.distance, touch.feature)))
+        };
+        let fronts = distances(ask(&two_sided, Faces::Front));
+        assert_eq!(distances(ask(&one_sided, Faces::Both)), fronts);
+        assert_eq!(distances(ask(&one_sided, Faces::Front)), fronts);
+        assert_eq!(distances(ask(&one_sided, Faces::Back)), [None, None]);
+        tally.count(if fronts[0].is_some() { Verdict::Hit } else { Verdict::Miss });
+    }
+    assert!(tally.is_balanced(), "{tally:?}");
+}
+
+/// How far a surface is and whether it is touched has no direction; what moves or pushes does so against fronts.
+#[test]
+fn a_one_sided_mesh_is_a_surface_that_pushes_to_its_front() {
+    let mut numbers = Numbers::new(131);
+    let (mut moved, mut passed, mut pushed) = (0, 0, 0);
+    for round in 0..1_500 {
+        let (two_sided, one_sided, fronts) = fronts(&mut numbers);
+        let here = pose(&mut numbers, DVec3::splat(3.0), round % 4 != 0);
+        let (both, one) = (at(&two_sided, here), at(&one_sided, here));
+        let form = convex(&mut numbers);
+        let away = numbers.shares() * 2.0;
+        let other = at(&form, pose(&mut numbers, here.position + away, true));
+        assert_eq!(overlap(other, one, &EXACT, &mut work()), overlap(other, both, &EXACT, &mut work()));
+        let apart = |target| distance(other, target, 4e12, &EXACT, &mut work()).expect("no limit").certificate;
+        assert_eq!(apart(one), apart(both));
+
+        let motion = Motion { displacement_a: numbers.shares() - away, ..Motion::default() };
+        let front_of = |face: Option<u32>| here.matrix() * fronts[face.expect("a face") as usize];
+        let ask = |target| impact(other, target, &motion, &EXACT, &mut work());
+        if let Some(touch) = ask(one) {
+            moved += 1;
+            let front = front_of(touch.feature_b.face);
+            let first = ask(both).expect("the same surface");
+            assert!(
+                first.certificate.bound.lower <= touch.certificate.bound.upper,
+                "{touch:?} {first:?} {motion:?} {form:?}"
+            );
+            if let Some(normal) = touch.normal_b_to_a {
+                assert!(front.dot(normal) >= -1e-5 && front.dot(motion.displacement_a) <= 1e-5, "{touch:?}");
+            }
+        } else if let Some(touch) = ask(both) {
+            passed += 1;
+            let front = front_of(touch.feature_b.face);
+            let is_from_behind = front.dot(motion.displacement_a) > 0.0
+                || touch.normal_b_to_a.is_some_and(|normal| front.dot(normal) < 0.0)
+                || touch.initial;
+            assert!(is_from_behind, "{touch:?}");
+        }
+        for contact in penetration(other, one, 0.0, &EXACT, &mut work()).expect("one mesh") {
+            pushed += 1;
+            assert!(front_of(contact.feature_b.face).dot(contact.normal_b_to_a) >= -1e-5, "{contact:?}");
+        }
+    }
+    assert!(moved > 300 && passed > 100 && pushed > 150, "{moved} touched, {passed} passed, {pushed} pushed");
+}
+
+#[test]
+fn a_ball_goes_through_a_one_sided_floor_from_below_only() {
+    let corners = [DVec3::new(-9.0, 0.0, -9.0), DVec3::new(9.0, 0.0, -9.0), DVec3::new(0.0, 0.0, 9.0)];
+    let floor = Geometry::mesh_as(MeshMode::OneSided, &corners, &[[0, 2, 1]]).expect("a floor");
+    let ball = Geometry::sphere(0.5).expect("a ball");
+    let moved = |from: f64, way: f64, turn: f64| {
+        let motion = Motion { displacement_a: DVec3::Y * way, rotation_b: DVec3::Y * turn, ..Motion::default() };
+        impact(at(&ball, Pose::at(DVec3::Y * from)), at(&floor, Pose::IDENTITY), &motion, &EXACT, &mut work())
+    };
+    for turn in [0.0, 1.0] {
+        let touch = moved(2.0, -4.0, turn).expect("from above");
+        assert!((touch.fraction - 0.375).abs() < 1e-9 && touch.normal_b_to_a == Some(DVec3::Y), "{touch:?}");
+        assert!(moved(-2.0, 4.0, turn).is_none(), "from below");
+        assert!(moved(0.3, 0.1, turn).expect("it begins in it").initial);
+        assert!(moved(-0.3, -0.1, turn).is_none(), "its middle is below");
+    }
+    let contacts = |height: f64| {
+        penetration(at(&ball, Pose::at(DVec3::Y * height)), at(&floor, Pose::IDENTITY), 0.0, &EXACT, &mut work())
+            .expect("one mesh")
+    };
+    let [contact] = contacts(0.3).to_vec().try_into().expect("one contact");
+    assert!((contact.depth - 0.2).abs() < 1e-15 && contact.normal_b_to_a == DVec3::Y);
+    assert!(contacts(-0.3).is_empty());
+}
+
+#[test]
+fn what_is_no_body_is_refused_by_name() {
+    let corners: Vec<DVec3> = (0..8).map(|i: u32| DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(f64::from))).collect();
+    let solid = |triangles: &[[u32; 3]]| Geometry::mesh_as(MeshMode::Solid, &corners, triangles);
+    let fault = |triangles: &[[u32; 3]]| match solid(triangles) {
+        Err(GeometryError::NotSolid { field, fault }) if field == "indices" => fault,
+        other => panic!("{other:?}"),
+    };
+    assert!(solid(&CUBE).is_ok());
+    // A triangle without area is left out, and the others keep their numbers.
+    let mut open = CUBE.to_vec();
+    open[0] = [0, 0, 1];
+    let SolidFault::OpenEdge { vertices, triangle } = fault(&open) else { panic!("{}", fault(&open)) };
+    let is_of = |triangle: u32| vertices.iter().all(|vertex| CUBE[triangle as usize].contains(vertex));
+    assert!(is_of(0) && is_of(triangle), "{vertices:?} of {triangle}");
+    let mut uneven = CUBE;
+    uneven[7].swap(0, 1);
+    let SolidFault::UnevenEdge { vertices, .. } = fault(&uneven) else { panic!("{}", fault(&uneven)) };
+    assert!(vertices.iter().all(|vertex| CUBE[7].contains(vertex)), "{vertices:?}");
+    let inwards = CUBE.map(|[a, b, c]| [a, c, b]);
+    assert_eq!(fault(&inwards), SolidFault::Inwards { volume: -1.0 });
+    for triangles in [open, uneven.to_vec(), inwards.to_vec()] {
+        for mode in [MeshMode::TwoSided, MeshMode::OneSided] {
+            assert!(Geometry::mesh_as(mode, &corners, &triangles).is_ok());
+        }
+    }
+    // So small that its corners become one.
+    assert!(solid(&CUBE).expect("a cube").scaled(1e-320).is_err());
+}
+
+#[test]
+fn a_mode_is_part_of_the_content() {
+    let corners: Vec<DVec3> = (0..8).map(|i: u32| DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(f64::from))).collect();
+    let id = |mode| Geometry::mesh_as(mode, &corners, &CUBE).expect("a cube").id();
+    let [two_sided, one_sided, solid] = [MeshMode::TwoSided, MeshMode::OneSided, MeshMode::Solid].map(id);
+    assert_eq!(Geometry::mesh(&corners, &CUBE).expect("a cube").id(), two_sided);
+    assert!(two_sided != one_sided && one_sided != solid && solid != two_sided);
+    let halved = Geometry::mesh_as(MeshMode::Solid, &corners, &CUBE).and_then(|cube| cube.scaled(0.5)).expect("a cube");
+    let inner = at(&halved, Pose::IDENTITY);
+    let point = Geometry::point();
+    assert_eq!(overlap(inner, at(&point, Pose::at(DVec3::splat(0.25))), &EXACT, &mut work()).verdict, Verdict::Hit);
+}
