@@ -143,8 +143,8 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
         QuestionError::NeedsDecomposition(id) => {
             let with = id.map_or_else(|| "the geometry in against".to_owned(), |id| format!("shape {id}"));
             let what = format!(
-                "the subject and {with} both have meshes: a depth needs convex parts of one of them, which are not made \
-                 yet; meanwhile ask Overlap, or place hulls"
+                "the subject and {with} both have meshes, or one is a solid mesh and the other is deep in it: a depth needs \
+                 convex parts; send a mesh with `decompose`, place hulls, or ask Overlap or Distance"
             );
             Problem::new(Reason::NeedsDecomposition, what).with_shape(id_or_none(*id))
         }

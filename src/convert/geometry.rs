@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use collision::{
     DVec3,
-    shape::{Convex, Core, Form, Geometry, GeometryError, HalfSpace, Mesh},
+    shape::{Convex, Core, Form, Geometry, GeometryError, HalfSpace, Mesh, MeshMode},
 };
 use wire::v1::{self as pb, geometry::Kind};
 
@@ -139,14 +139,14 @@ fn is_one(scale: f64) -> bool {
 }
 
 fn triangles(mesh: &pb::TriangleMesh) -> Checked<Geometry> {
-    match pb::MeshMode::try_from(mesh.mode) {
-        Ok(pb::MeshMode::Unspecified | pb::MeshMode::TwoSided) => {}
-        Ok(pb::MeshMode::OneSided) => return Err(not_yet("mode", "use MESH_MODE_TWO_SIDED; it was ONE_SIDED")),
-        Ok(pb::MeshMode::Solid) => return Err(not_yet("mode", "use MESH_MODE_TWO_SIDED; it was SOLID")),
+    let mode = match pb::MeshMode::try_from(mesh.mode) {
+        Ok(pb::MeshMode::Unspecified | pb::MeshMode::TwoSided) => MeshMode::TwoSided,
+        Ok(pb::MeshMode::OneSided) => MeshMode::OneSided,
+        Ok(pb::MeshMode::Solid) => MeshMode::Solid,
         Err(_) => {
             return Err(unknown_enum("mode", mesh.mode, "MESH_MODE_TWO_SIDED (1), ONE_SIDED (2), SOLID (3)"));
         }
-    }
+    };
     if mesh.decompose.is_some() {
         let what = "is asked of a mesh that is written in place: register it with CreateGeometry, and name its id here";
         return Err(Problem::at("decompose", Reason::BadGeometry, what));
@@ -157,7 +157,16 @@ fn triangles(mesh: &pb::TriangleMesh) -> Checked<Geometry> {
         let what = format!("has {} numbers: it must have three for each triangle", mesh.indices.len());
         return Err(Problem::at("indices", Reason::ColumnLength, what));
     }
-    made("", Geometry::mesh(&vertices, indices))
+    made("", Geometry::mesh_as(mode, &vertices, indices))
+}
+
+/// A mode as it was sent.
+pub(super) fn mode_out(mode: MeshMode) -> pb::MeshMode {
+    match mode {
+        MeshMode::TwoSided => pb::MeshMode::TwoSided,
+        MeshMode::OneSided => pb::MeshMode::OneSided,
+        MeshMode::Solid => pb::MeshMode::Solid,
+    }
 }
 
 fn points(field: &'static str, numbers: &[f32]) -> Checked<Vec<DVec3>> {
@@ -192,16 +201,12 @@ fn refused(error: GeometryError) -> Problem {
             let what = format!("has {found} items: at most {most} are allowed");
             Problem::at(field, Reason::TooManyItems, what)
         }
+        GeometryError::NotSolid { field, fault } => Problem::at(field, Reason::MeshNotClosed, fault.to_string()),
         GeometryError::Bad { field, reason } if reason.starts_with("is ") => {
             Problem::at(field, Reason::BadGeometry, reason)
         }
         GeometryError::Bad { field, reason } => Problem::at(field, Reason::BadGeometry, format!(": {reason}")),
     }
-}
-
-fn not_yet(field: &'static str, meanwhile: &str) -> Problem {
-    let what = format!("is not served yet: a later version will; meanwhile {meanwhile}");
-    Problem::at(field, Reason::NotYet, what)
 }
 
 /// Whether a geometry is a half space.
@@ -314,6 +319,7 @@ fn mesh_warnings(mesh: &Mesh) -> Vec<String> {
         (report.merged_vertices, "vertices were equal to an earlier one and merged with it"),
         (report.open_edges, "edges belong to one triangle only: the surface is open there"),
         (report.non_manifold_edges, "edges belong to more than two triangles"),
+        (report.duplicates, "triangles have the same three vertices as an earlier one"),
     ];
     let found = found.into_iter().filter(|(count, _)| *count > 0);
     found.map(|(count, what)| format!("{count} {what}")).collect()

@@ -5,7 +5,12 @@ use std::ops::Range;
 use collision::shape::{Compound, Convex, Core, Form, Geometry, HeightField, Hull, Mesh, Part};
 use wire::v1::{self as pb, geometry::Kind};
 
-use super::{geometry::geometry_out, height_field, parts::asked_out, place::pose_out};
+use super::{
+    geometry::{geometry_out, mode_out},
+    height_field,
+    parts::asked_out,
+    place::pose_out,
+};
 
 /// How many numbers there are.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +68,7 @@ pub(crate) fn header_out(geometry: &Geometry, lists: Lists) -> pb::GeometryHeade
             pb::Geometry { kind, rounding: *radius, scale: None }
         }
         Form::Mesh(mesh) => {
-            let mode = pb::MeshMode::TwoSided.into();
+            let mode = mode_out(mesh.mode()).into();
             let decompose = mesh.parts().map(asked_out);
             let kind = Some(Kind::Mesh(pb::TriangleMesh { mode, decompose, ..pb::TriangleMesh::default() }));
             pb::Geometry { kind, ..pb::Geometry::default() }

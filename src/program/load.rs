@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use calipers_client::{Client, geometry, proto, shape};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
@@ -30,6 +30,9 @@ pub(crate) struct Load {
     /// The axis that points up in the file
     #[arg(long, value_enum, default_value_t)]
     up: Up,
+    /// Which side of its triangles is matter
+    #[arg(long, value_enum, default_value_t)]
+    mode: Mode,
     /// Id of the shape that is made of it; a shape that has this id is replaced
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     id: u64,
@@ -46,6 +49,28 @@ pub(crate) struct Load {
     target: Target,
 }
 
+/// Which side of a triangle is matter.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Mode {
+    /// A surface, felt from both sides
+    #[default]
+    TwoSided,
+    /// A surface, felt only from where its corners go counter-clockwise
+    OneSided,
+    /// A body: the mesh must be closed and its triangles must face outwards
+    Solid,
+}
+
+impl From<Mode> for proto::MeshMode {
+    fn from(mode: Mode) -> Self {
+        match mode {
+            Mode::TwoSided => Self::TwoSided,
+            Mode::OneSided => Self::OneSided,
+            Mode::Solid => Self::Solid,
+        }
+    }
+}
+
 impl Load {
     pub(crate) async fn run(self, out: &mut impl Write) -> Result<(), Failure> {
         let triangles = read(&self.file, self.unit, self.up)?;
@@ -55,7 +80,7 @@ impl Load {
         let (sent_count, vertex_count) = (triangles.indices.len() / 3, triangles.vertices.len() / 3);
         // Connecting comes after reading: a broken file is told whether or not a server runs.
         let client = self.target.connect(DEADLINE).await?;
-        let info = upload(&client, triangles).await?;
+        let info = upload(&client, triangles, self.mode).await?;
         report(out, &info, sent_count, vertex_count)?;
         if let Some(problem) = info.problem {
             return Err(Failure::new(format!("the server cannot use the mesh: {}", problem.message)));
@@ -80,11 +105,11 @@ fn read(path: &Path, unit: Unit, up: Up) -> Result<Triangles, Failure> {
 }
 
 /// Sends the mesh beside another one, which waits at its end while the server takes the mesh in.
-async fn upload(client: &Client, triangles: Triangles) -> Result<proto::GeometryInfo, Failure> {
+async fn upload(client: &Client, triangles: Triangles, mode: Mode) -> Result<proto::GeometryInfo, Failure> {
     let mesh = proto::TriangleMesh {
         vertices: triangles.vertices,
         indices: triangles.indices,
-        mode: proto::MeshMode::TwoSided.into(),
+        mode: proto::MeshMode::from(mode).into(),
         decompose: None,
     };
     let kind = Some(proto::geometry::Kind::Mesh(mesh));

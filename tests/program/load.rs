@@ -33,6 +33,23 @@ fn a_factor_scales_the_shape() {
 }
 
 #[test]
+fn a_body_is_full_and_what_is_open_is_none() {
+    let server = Server::start(&[]);
+    let file = Scratch::new(".obj", PYRAMID);
+    let load = |mode: &str, file: &Scratch| run(&["load", file.path(), "--mode", mode, "--server", server.address()]);
+    let inside = || run_well(&["raycast", "0,1,0", "1,0,0", "--server", server.address()]);
+    assert_eq!(load("solid", &file).code, Some(0));
+    assert!(inside().contains("at 0 m"), "{}", inside());
+    assert_eq!(load("one-sided", &file).code, Some(0));
+    assert!(!inside().contains("shape 1"), "{}", inside());
+    // With its tip below the base its faces look inwards.
+    let inwards = load("solid", &Scratch::new(".obj", PYRAMID.replace("v 0 3 0", "v 0 -3 0")));
+    assert!(inwards.code == Some(1) && inwards.err.contains("wound inwards"), "{inwards:?}");
+    let open = load("solid", &Scratch::new(".obj", PYRAMID.replace("f 4 5 1\n", "")));
+    assert!(open.code == Some(1) && open.err.contains("is open at the edge between vertices"), "{open:?}");
+}
+
+#[test]
 fn a_geometry_alone_makes_no_shape_and_the_same_file_the_same_id() {
     let server = Server::start(&[]);
     let of = |arguments: &[&str]| run_well(&[arguments, &["--server", server.address()]].concat());

@@ -73,15 +73,31 @@ fn flat() -> pb::HeightField {
 }
 
 fn unserved_and_dressed() -> Vec<(pb::Geometry, Refusal)> {
-    let triangle = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    let triangle = &corners[..9];
     vec![
         (
-            geometry(Kind::Mesh(pb::TriangleMesh { mode: pb::MeshMode::Solid.into(), ..mesh(&triangle, &[0, 1, 2]) })),
-            ("NOT_YET", "geometry.mesh.mode", &["TWO_SIDED"]),
+            geometry(Kind::Mesh(pb::TriangleMesh { mode: pb::MeshMode::Solid.into(), ..mesh(triangle, &[0, 1, 2]) })),
+            (
+                "MESH_NOT_CLOSED",
+                "geometry.mesh.indices",
+                &["edge between vertices 0 and 1", "triangle 0 only", "two-sided"],
+            ),
+        ),
+        (
+            geometry(Kind::Mesh(pb::TriangleMesh {
+                mode: pb::MeshMode::Solid.into(),
+                ..mesh(&corners, &[0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2])
+            })),
+            ("MESH_NOT_CLOSED", "geometry.mesh.indices", &["wound inwards", "-0.1666", "swap two corners"]),
+        ),
+        (
+            geometry(Kind::Mesh(pb::TriangleMesh { mode: 7, ..mesh(triangle, &[0, 1, 2]) })),
+            ("OUT_OF_LIMITS", "geometry.mesh.mode", &["SOLID (3)"]),
         ),
         (pb::Geometry { rounding: -0.5, ..sphere(1.0) }, ("OUT_OF_LIMITS", "geometry.rounding", &["is -0.5"])),
         (
-            pb::Geometry { rounding: 0.5, ..geometry(Kind::Mesh(mesh(&triangle, &[0, 1, 2]))) },
+            pb::Geometry { rounding: 0.5, ..geometry(Kind::Mesh(mesh(triangle, &[0, 1, 2]))) },
             ("BAD_GEOMETRY", "geometry.rounding", &["mesh"]),
         ),
         (pb::Geometry { scale: Some(0.0), ..sphere(1.0) }, ("OUT_OF_LIMITS", "geometry.scale", &["above 0"])),

@@ -84,8 +84,9 @@ async fn what_comes_down_goes_up_again_as_the_same_geometry() {
     let mut other = Bench::start().await;
     let (vertices, indices) = hills(9);
     let mesh = pb::TriangleMesh { vertices: vertices.clone(), indices, ..Default::default() };
+    let one_sided = pb::TriangleMesh { mode: pb::MeshMode::OneSided.into(), ..mesh.clone() };
     let hull = pb::Geometry { rounding: 0.25, ..geometry(Kind::Hull(pb::ConvexHull { points: vertices })) };
-    for form in [geometry(Kind::Mesh(mesh)), hull] {
+    for form in [geometry(Kind::Mesh(mesh)), geometry(Kind::Mesh(one_sided)), hull] {
         let request = pb::CreateGeometryRequest { session: String::new(), geometry: Some(form) };
         let created = bench.geometries.create_geometry(request).await.unwrap().into_inner().geometry.unwrap();
         let pieces = download(&mut bench, &created.geometry_id).await.unwrap();

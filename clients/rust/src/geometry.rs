@@ -68,10 +68,41 @@ pub fn mesh(
     vertices: impl IntoIterator<Item = [f32; 3]>,
     triangles: impl IntoIterator<Item = [u32; 3]>,
 ) -> proto::Geometry {
+    mesh_as(proto::MeshMode::TwoSided, vertices, triangles)
+}
+
+/// A surface of triangles, felt from their fronts: the sides from which their corners go counter-clockwise.
+pub fn one_sided_mesh(
+    vertices: impl IntoIterator<Item = [f32; 3]>,
+    triangles: impl IntoIterator<Item = [u32; 3]>,
+) -> proto::Geometry {
+    mesh_as(proto::MeshMode::OneSided, vertices, triangles)
+}
+
+/// A body within a closed surface of triangles whose fronts look outwards: what lies inside is in it.
+///
+/// ```
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let body = calipers_client::geometry::solid_mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]);
+/// # let Some(calipers_client::proto::geometry::Kind::Mesh(mesh)) = body.kind else { panic!() };
+/// # assert_eq!((mesh.mode(), mesh.indices.len()), (calipers_client::proto::MeshMode::Solid, 12));
+/// ```
+pub fn solid_mesh(
+    vertices: impl IntoIterator<Item = [f32; 3]>,
+    triangles: impl IntoIterator<Item = [u32; 3]>,
+) -> proto::Geometry {
+    mesh_as(proto::MeshMode::Solid, vertices, triangles)
+}
+
+fn mesh_as(
+    mode: proto::MeshMode,
+    vertices: impl IntoIterator<Item = [f32; 3]>,
+    triangles: impl IntoIterator<Item = [u32; 3]>,
+) -> proto::Geometry {
     of(Kind::Mesh(proto::TriangleMesh {
         vertices: vertices.into_iter().flatten().collect(),
         indices: triangles.into_iter().flatten().collect(),
-        mode: proto::MeshMode::TwoSided.into(),
+        mode: mode.into(),
         decompose: None,
     }))
 }

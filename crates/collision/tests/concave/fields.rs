@@ -329,7 +329,8 @@ fn refusals_name_the_number() {
             | GeometryError::NotFinite { field, .. }
             | GeometryError::OutOfLimits { field, .. }
             | GeometryError::ColumnLength { field, .. }
-            | GeometryError::TooMany { field, .. },
+            | GeometryError::TooMany { field, .. }
+            | GeometryError::NotSolid { field, .. },
         ) => field,
         Ok(_) => panic!("{terrain:?}"),
     };
