@@ -125,9 +125,6 @@ impl Piece {
             let of_side = self.polygons.iter().zip(&marks.polygons).filter(|&(_, mark)| mark & side != 0);
             of_side.map(|(polygon, _)| split.clipped(polygon, side)).collect::<Vec<Polygon>>()
         });
-        if polygons.iter().any(Vec::is_empty) {
-            return None;
-        }
         let mut lids = [Vec::new(), Vec::new()];
         if is_closed == IsClosed::Yes {
             for lid in &self.lids {
@@ -140,6 +137,10 @@ impl Piece {
                 lids[0].push(border.clone());
                 lids[1].push(border.into_iter().map(|[tail, head]| [head, tail]).collect());
             }
+        }
+        // What lies wholly within the volume has lids only.
+        if (0..2).any(|side| polygons[side].is_empty() && lids[side].is_empty()) {
+            return None;
         }
         let [behind, ahead] = polygons;
         let [lids_behind, lids_ahead] = lids;

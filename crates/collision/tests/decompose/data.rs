@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use collision::{
     accuracy::{Accuracy, Tier},
-    answer::Work,
+    answer::{Stop, Work},
     decompose::{Options, decompose},
     math::Pose,
     narrow::{Placed, distance},
@@ -37,6 +37,7 @@ fn real_meshes() {
             found.steps
         );
         assert_eq!(found.volume_excess.is_some(), mesh_of(&geometry).is_closed());
+        assert_ne!(found.stop, Stop::Converged, "{name}");
         assert!(name == "featuretype" || found.errors.inside.upper <= max_error, "{name}: {:?}", found.errors);
     }
 }

@@ -82,6 +82,8 @@ fn what_is_certified_is_not_exceeded() {
                 "{:?}",
                 found.errors
             );
+            // What has a volume is always cut by a plane, wherever it lies within the mesh.
+            assert!(found.stop != Stop::Converged || !mesh_of(&geometry).is_closed());
             let shown = assert_certified(&geometry, &found, &mut noise, 60);
             seen += u32::from(shown.inside > 0.5 * found.errors.inside.lower);
             exact += u32::from(found.stop == Stop::Tolerance);
@@ -89,6 +91,27 @@ fn what_is_certified_is_not_exceeded() {
     }
     // Samples come near what is certified, and what is asked is reached now and then.
     assert!(seen > 24 && (6..30).contains(&exact), "{seen} {exact}");
+}
+
+/// Pieces deep in a block with cavities have no surface of their own, or none on one side of a cut: they are cut all the same.
+#[test]
+fn what_lies_wholly_within_is_cut_as_well() {
+    let mut noise = Noise(0x0B0E);
+    for _ in 0..6 {
+        let is_inner = |index: usize| [index % 4, index / 4 % 4, index / 16].iter().all(|at| (1..3).contains(at));
+        let mut cubes: Vec<bool> = (0..64).map(|index| !is_inner(index) || noise.below(2) == 0).collect();
+        cubes[21] = false;
+        let (vertices, triangles) = Cubes(cubes).surface();
+        // Cavities shrink towards the middle of the block, so that much lies between them and the outside.
+        let is_outer = |vertex: DVec3| (vertex - 2.0).abs().max_element() > 1.5;
+        let moved = |v: DVec3| if is_outer(v) { v } else { 2.0 + (v - 2.0) * DVec3::new(0.5, 0.3, 0.4) };
+        let vertices: Vec<DVec3> = vertices.into_iter().map(moved).collect();
+        let geometry = Geometry::mesh(&vertices, &triangles).expect("a mesh");
+        let options = Options { max_parts: 256, max_error: 0.01 * diagonal(&geometry), ..Options::default() };
+        let found = parts_of(&geometry, &options);
+        assert_ne!(found.stop, Stop::Converged, "{:?}", found.errors);
+        assert_certified(&geometry, &found, &mut noise, 20);
+    }
 }
 
 #[test]
