@@ -319,9 +319,9 @@ pub const SAME_PLANE: f64 = 1e-9;
 /// along. Pinned by `no_way_that_is_allowed_is_nearer_to_the_wish`.
 pub const SLIDE_SLACK: f64 = 1e-14;
 
-/// How much farther than its skin, as a part of it, a character stays from what stops it; twice as far out it looks for planes.
-/// Larger: it keeps more distance than asked. Smaller: sweeps along a wall begin so near to touching it that rounding leaves
-/// open whether they do. Pinned by `world/character.rs`, walls and stairs.
+/// How much thinner than its skin, as a part of it, a character is swept, and how much farther out than its skin, twice this, it looks
+/// for planes. Larger: planes bend its way before they are reached. Smaller: sweeps along a wall begin so near to touching it
+/// that rounding leaves open whether they do. Pinned by `world/character.rs`, walls, stairs and the floor of triangles.
 pub const SKIN_MARGIN: f64 = 1.0 / 128.0;
 
 /// The skin that a character without one has for that margin, as a part of its reach: 2⁻²⁰. Larger and smaller: as for

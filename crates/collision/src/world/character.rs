@@ -1,7 +1,7 @@
 //! How far does a character get that slides along what it meets?
 //!
 //! # Method
-//! The character, rounded by its skin, is swept along its wish up to what it touches first. The pieces that are within the
+//! The character, rounded by a little less than its skin, is swept along its wish up to what it touches first. The pieces that are within the
 //! skin at the start of a stride are planes: a stride is the way nearest to the wish that goes into none of them, and what is
 //! beyond such a plane stays beyond it, so the sweep passes over it. What is left of the wish makes the next stride. Since a
 //! sweep ends where the way is proved free and planes are proved by contacts, the character never ends deeper in a shape than
@@ -90,7 +90,10 @@ impl Snapshot {
         meter: &mut Meter<'_>,
     ) -> Result<MovedCharacter, QuestionError> {
         let (geometry, pose, filter) = self.character(question, filter)?;
-        let skinned = Geometry::clone(&geometry).rounded(question.skin).map_err(QuestionError::Skin)?;
+        let margin = (question.skin + geometry.reach() * SKIN_MIN) * SKIN_MARGIN;
+        // A skin that a form cannot have is refused, though sweeps take a thinner one.
+        let whole = Geometry::clone(&geometry).rounded(question.skin).map_err(QuestionError::Skin)?;
+        let skinned = Geometry::clone(&geometry).rounded((question.skin - margin).max(0.0)).unwrap_or(whole);
         let mut walk = Walk {
             world: self,
             question,
@@ -100,7 +103,7 @@ impl Snapshot {
             accuracy,
             meter,
             skinned: Arc::new(skinned),
-            margin: (question.skin + geometry.reach() * SKIN_MIN) * SKIN_MARGIN,
+            margin,
             geometry,
             pose,
             hits: Vec::new(),
@@ -148,7 +151,7 @@ struct Walk<'a, 'm> {
     meter: &'a mut Meter<'m>,
     geometry: Arc<Geometry>,
     skinned: Arc<Geometry>,
-    /// How much farther than its skin it stays from what it is stopped by, metres.
+    /// How much thinner than its skin sweeps are, metres, so that they are clear of what is at the skin's distance.
     margin: f64,
     pose: Pose,
     hits: Vec<Impact>,
@@ -252,10 +255,18 @@ impl Walk<'_, '_> {
         });
         Ok(match first {
             None => Stride { to: from + way, left: DVec3::ZERO, touched: None },
-            Some(hit) => {
-                // It stops a little before it would touch: from there, ways along what it touched are proved to be free.
-                let closing = hit.touch.normal_b_to_a.map_or(0.0, |normal| -way.dot(normal)).max(0.0);
-                let free = (hit.touch.certificate.bound.lower - self.margin / closing).clamp(0.0, 1.0);
+            Some(mut hit) => {
+                // It stops where its whole skin would touch: from there, ways along what it touched are proved to be free.
+                let touch = &mut hit.touch;
+                let closing = touch.normal_b_to_a.map_or(0.0, |normal| -way.dot(normal)).max(0.0);
+                let early = if closing > 0.0 { self.margin / closing } else { 1.0 };
+                let earlier = |fraction: f64| (fraction - early).clamp(0.0, 1.0);
+                let bound = &mut touch.certificate.bound;
+                (bound.lower, touch.fraction) = (earlier(bound.lower), earlier(touch.fraction));
+                if closing > 0.0 {
+                    bound.upper = earlier(bound.upper);
+                }
+                let free = bound.lower;
                 Stride { to: from + way * free, left: way * (1.0 - free), touched: Some(hit) }
             }
         })
