@@ -134,7 +134,7 @@ impl Snapshot {
     }
 
     /// Visits what an asker sees of what may touch an outline.
-    fn seen_near<'a, 'm>(
+    pub(super) fn seen_near<'a, 'm>(
         &'a self,
         outline: &Outline,
         asker: Option<&Shape>,

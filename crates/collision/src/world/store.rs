@@ -8,7 +8,7 @@ use crate::{
 };
 
 /// Where a shape is kept; used again when the shape is gone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Slot(pub(super) u32);
 
 /// A shape and what is derived from it.

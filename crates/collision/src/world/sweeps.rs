@@ -28,7 +28,7 @@ use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
     broad::{ALL_LAYERS, Line, Path, StaticTree, Tree},
-    math::Aabb,
+    math::{Aabb, Pose},
     narrow::{self, ImpactTouch, InitialTouch, Motion},
 };
 
@@ -101,38 +101,44 @@ impl Tracks {
     }
 }
 
-/// A shape on its way through the tick.
-struct Moving<'a> {
+/// A form on its way through the tick.
+pub(super) struct Moving<'a> {
     id: ShapeId,
     /// At the start.
-    side: Side<'a>,
-    displacement: DVec3,
-    rotation: DVec3,
+    pub(super) side: Side<'a>,
+    pub(super) displacement: DVec3,
+    pub(super) rotation: DVec3,
     /// Holds it all the time while it turns at the start.
     turning: Aabb,
     /// Holds all of its way.
-    way: Aabb,
+    pub(super) way: Aabb,
 }
 
 impl<'a> Moving<'a> {
     /// `None` if it is not in both.
     fn between(old: &'a Snapshot, new: &'a Snapshot, id: ShapeId) -> Option<Self> {
         let (before, after) = (old.state().get(id)?, new.state().get(id)?);
-        let (start, end) = (before.shape.pose, after.shape.pose);
-        let side = Side::of(before);
-        let rotation = start.rotation_vector_to(&end);
+        Some(Self::travelling(Side::of(before), &after.shape.pose, id))
+    }
+
+    /// From where `side` is to the pose `end`.
+    pub(super) fn travelling(side: Side<'a>, end: &Pose, id: ShapeId) -> Self {
+        let start = side.placed.pose;
+        let rotation = start.rotation_vector_to(end);
         let displacement = end.position - start.position;
         let turning = turning_bounds(&side, rotation);
         let there = outward(Aabb::new(turning.min + displacement, turning.max + displacement), 0.0);
-        Some(Self { id, side, displacement, rotation, turning, way: turning.union(there) })
+        Self { id, side, displacement, rotation, turning, way: turning.union(there) }
     }
 
-    fn standing(side: Side<'a>, id: ShapeId) -> Self {
+    /// Where `side` is.
+    pub(super) fn standing(side: Side<'a>, id: ShapeId) -> Self {
         let bounds = side.bounds;
         Self { id, side, displacement: DVec3::ZERO, rotation: DVec3::ZERO, turning: bounds, way: bounds }
     }
 
-    fn stands(&self) -> bool {
+    /// Whether it stays where it is.
+    pub(super) fn stands(&self) -> bool {
         self.displacement == DVec3::ZERO && self.rotation == DVec3::ZERO
     }
 
@@ -143,7 +149,7 @@ impl<'a> Moving<'a> {
 
     /// A fraction before which the boxes prove that the two do not touch; `None` if they never do. Of two that move the one
     /// with the lower id is taken as the mover, so that both see the same.
-    fn entry(&self, other: &Self) -> Option<f64> {
+    pub(super) fn entry(&self, other: &Self) -> Option<f64> {
         let is_first = other.stands() || !self.stands() && self.id < other.id;
         let (first, second) = if is_first { (self, other) } else { (other, self) };
         first.path_past(second).entry(&second.turning, 1.0)
@@ -287,7 +293,6 @@ mod tests {
 
     use super::*;
     use crate::{
-        math::Pose,
         shape::Geometry,
         world::{Edit, EditRule, Shape, Time, World},
     };

@@ -7,7 +7,7 @@
 
 use std::collections::HashSet;
 
-use super::{Edit, ShapeId, Snapshot, state::State};
+use super::{Edit, ShapeId, Snapshot, history::Passage, state::State};
 use crate::shape::Form;
 
 /// Which moves are swept.
@@ -36,6 +36,12 @@ impl Tracks {
     pub(super) fn after(state: &State, rule: SweepRule) -> Option<Self> {
         let is_needed = state.bullet_count > 0 || rule != SweepRule::Bullets;
         is_needed.then(|| Self { rule, moved: Vec::new(), jumped: HashSet::new() })
+    }
+
+    /// What is known of a tick that is over.
+    pub(super) fn of(passage: &Passage) -> Self {
+        let jumped = passage.changed.iter().copied().filter(|&id| !passage.travelled(id)).collect();
+        Self { rule: SweepRule::Bullets, moved: passage.travelled.clone(), jumped }
     }
 
     /// Notes an edit that is about to be applied to this state.

@@ -22,3 +22,5 @@ mod readers;
 mod resolve;
 mod scene;
 mod traffic;
+mod watch;
+mod watch_model;

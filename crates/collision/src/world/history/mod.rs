@@ -11,6 +11,7 @@
 
 mod build;
 mod kept;
+mod passage;
 mod past;
 mod record;
 mod span;
@@ -20,6 +21,7 @@ use std::sync::Arc;
 
 pub(super) use self::{
     kept::Kept,
+    passage::Passage,
     past::Past,
     record::{Changes, Record},
 };

@@ -31,6 +31,11 @@ pub(in crate::world) struct Past {
 }
 
 impl Past {
+    /// The version that it was asked of.
+    pub(super) fn newest(&self) -> &Snapshot {
+        &self.newest
+    }
+
     /// The state whose trees are searched, less the slots that are overridden.
     pub(in crate::world) fn base(&self) -> &State {
         &self.span.base

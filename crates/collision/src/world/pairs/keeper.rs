@@ -42,7 +42,7 @@ impl PairKeeper {
             return Ok(changes);
         };
         let changed = new.changed_since(old);
-        let after = new.pairs_of(&changed, &self.filter, &self.accuracy, meter)?;
+        let after = new.pairs_of(&changed, &self.filter, &self.accuracy, |_, _| true, meter)?;
         let changes = PairChanges::between(&self.pairs_of(&changed), &after);
         if self.len() + changes.began.len() - changes.ended.len() > PAIRS_MAX {
             return Err(QuestionError::TooManyPairs);

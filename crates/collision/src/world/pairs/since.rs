@@ -80,24 +80,31 @@ impl Snapshot {
         meter: &mut Meter<'_>,
     ) -> Result<PairChanges, QuestionError> {
         let changed = self.changed_since(old);
-        let before = old.pairs_of(&changed, filter, accuracy, meter)?;
-        let after = self.pairs_of(&changed, filter, accuracy, meter)?;
+        let before = old.pairs_of(&changed, filter, accuracy, |_, _| true, meter)?;
+        let after = self.pairs_of(&changed, filter, accuracy, |_, _| true, meter)?;
         Ok(PairChanges::between(&before, &after))
     }
 
-    /// The pairs that have one of `ids`, which ascend, as [`Snapshot::pairs`] lists them. Ids that are not there have none.
-    pub(super) fn pairs_of(
+    /// The pairs that have one of `ids`, which ascend, and that are wanted, as [`Snapshot::pairs`] lists them. Ids that are
+    /// not there have none.
+    pub(in crate::world) fn pairs_of(
         &self,
         ids: &[ShapeId],
         filter: &Filter,
         accuracy: &Accuracy,
+        is_wanted: impl Fn(ShapeId, ShapeId) -> bool,
         meter: &mut Meter<'_>,
     ) -> Result<Vec<Pair>, QuestionError> {
         let is_asked = |id: ShapeId| ids.binary_search(&id).is_ok();
         let mut judge = Judge::new(accuracy, meter);
         if ids.len() * SHARE_ASKED_TOGETHER > self.len() {
             self.each_box_pair(filter, meter, |meter, a, b| {
-                if is_asked(id_of(&a)) || is_asked(id_of(&b)) { judge.take(&a, &b, meter) } else { Ok(()) }
+                let (id_a, id_b) = (id_of(&a), id_of(&b));
+                if (is_asked(id_a) || is_asked(id_b)) && is_wanted(id_a, id_b) {
+                    judge.take(&a, &b, meter)
+                } else {
+                    Ok(())
+                }
             })?;
             return Ok(judge.into_sorted());
         }
@@ -106,7 +113,8 @@ impl Snapshot {
             self.each_partner(id, &sieve, meter, |meter, a, b| {
                 // Of two that are asked both find the pair.
                 let is_found_twice = is_asked(id_of(&b));
-                if !is_found_twice || id < id_of(&b) { judge.take(&a, &b, meter) } else { Ok(()) }
+                let is_first = !is_found_twice || id < id_of(&b);
+                if is_first && is_wanted(id, id_of(&b)) { judge.take(&a, &b, meter) } else { Ok(()) }
             })?;
         }
         Ok(judge.into_sorted())
