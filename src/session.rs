@@ -12,7 +12,7 @@ use std::{
 use arc_swap::ArcSwap;
 use collision::world::{Edit, EditError, EditReport, EditRule, Snapshot, Tick, Time};
 use parking_lot::Mutex;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, broadcast, watch};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
@@ -30,6 +30,11 @@ use crate::{
 const PAGED_VERSIONS: usize = 16;
 /// How long they are kept after the last page.
 const PAGED_FOR: Duration = Duration::from_secs(60);
+
+/// Versions that a watcher may be behind before it has to look into the history.
+const WATCHED_VERSIONS: usize = 16;
+/// Watchers of a session at a time.
+const WATCHERS: usize = 64;
 
 /// Which version is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,6 +83,10 @@ pub(crate) struct Session {
     access: Access,
     newest: ArcSwap<Snapshot>,
     newest_tick: watch::Sender<Tick>,
+    /// Each version as it is made, for those who watch.
+    versions: broadcast::Sender<Arc<Snapshot>>,
+    /// Places for those who watch.
+    watchers: Arc<Semaphore>,
     paged: Mutex<Vec<(Instant, Arc<Snapshot>)>>,
     shape_quota: usize,
     /// Places for calls that wait for a tick.
@@ -105,6 +114,8 @@ impl Session {
             ended: CancellationToken::new(),
             access,
             newest_tick: watch::Sender::new(newest.tick()),
+            versions: broadcast::Sender::new(WATCHED_VERSIONS),
+            watchers: Arc::new(Semaphore::new(WATCHERS)),
             newest: ArcSwap::new(newest),
             paged: Mutex::default(),
             shape_quota: settings.session_shapes,
@@ -203,9 +214,23 @@ impl Session {
             self.counters.last_commit_ns.store(took, Ordering::Relaxed);
             self.newest.store(writer.world.newest());
             self.newest_tick.send_replace(report.tick);
+            // An error says that nobody watches.
+            let _ = self.versions.send(writer.world.newest());
             self.counters.edits.fetch_add(report.changed_count, Ordering::Relaxed);
         }
         Ok(applied)
+    }
+
+    /// Each version that is made from now on, and a place among those who watch, to be given back at the end.
+    ///
+    /// # Errors
+    /// Too many watch.
+    pub(crate) fn watch(&self) -> Checked<(broadcast::Receiver<Arc<Snapshot>>, OwnedSemaphorePermit)> {
+        let place = Arc::clone(&self.watchers).try_acquire_owned().map_err(|_| {
+            let what = format!("{WATCHERS} streams watch session {:?}, which is the most: end one first", self.id);
+            Problem::new(Reason::QuotaExceeded, what).with("quota", "session_watchers").with("limit", WATCHERS)
+        })?;
+        Ok((self.versions.subscribe(), place))
     }
 
     /// Changes the settings of the world.

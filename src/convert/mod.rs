@@ -22,3 +22,4 @@ pub(crate) mod rays;
 pub(crate) mod resolve;
 pub(crate) mod settings;
 pub(crate) mod shape;
+pub(crate) mod watch;

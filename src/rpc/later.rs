@@ -33,9 +33,6 @@ macro_rules! later {
 }
 
 later! {
-    WATCH_OVERLAPS = "WatchOverlaps"
-        will "report which overlaps begin and end"
-        meanwhile "ask Overlap after each tick, with read_at.min_tick";
     WATCH_WORLD = "WatchWorld"
         will "send the shapes and their changes to a viewer"
         meanwhile "read ListShapes after each tick";

@@ -34,6 +34,7 @@ mod time_of_impact_batch;
 mod turns;
 mod update_world;
 mod upload;
+mod watch_overlaps;
 mod worlds;
 
 use std::{pin::Pin, sync::Arc, time::Duration};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
-use super::{Server, describe_world, edit, edit_stream, later, list_shapes, update_world};
+use super::{Server, describe_world, edit, edit_stream, later, list_shapes, update_world, watch_overlaps};
 
 /// `WorldService`.
 #[derive(Clone, Debug)]
@@ -55,9 +55,9 @@ impl pb::world_service_server::WorldService for Worlds {
 
     async fn watch_overlaps(
         &self,
-        _request: Request<pb::WatchOverlapsRequest>,
+        request: Request<pb::WatchOverlapsRequest>,
     ) -> Result<Response<Self::WatchOverlapsStream>, Status> {
-        Err(later::WATCH_OVERLAPS.into())
+        watch_overlaps::open(self.0.clone(), request).await
     }
 
     type WatchWorldStream = super::Answers<pb::WatchWorldResponse>;

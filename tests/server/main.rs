@@ -29,3 +29,4 @@ mod sessions;
 mod tokens;
 mod uploads;
 mod versions;
+mod watch_overlaps;

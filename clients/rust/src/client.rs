@@ -236,6 +236,31 @@ impl Client {
         Ok(self.questions().pairs(self.request(request)).await?.into_inner())
     }
 
+    /// What enters and leaves regions, and which shapes begin and cease to overlap, from now on, until the stream is dropped.
+    /// The client's deadline does not hold for it.
+    ///
+    /// ```no_run
+    /// # async fn example(client: calipers_client::Client) -> Result<(), calipers_client::Error> {
+    /// use calipers_client::proto::{Region, WatchOverlapsRequest};
+    /// let gate = Region { id: 1, geometry: Some(calipers_client::geometry::sphere(2.0)), ..Region::default() };
+    /// let request = WatchOverlapsRequest { regions: vec![gate], ..WatchOverlapsRequest::default() };
+    /// let mut messages = client.watch_overlaps(request).await?;
+    /// while let Some(message) = messages.message().await? {
+    ///     println!("{:?} came in by tick {:?}", message.entered, message.info);
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub async fn watch_overlaps(
+        &self,
+        mut request: proto::WatchOverlapsRequest,
+    ) -> Result<Streaming<proto::WatchOverlapsResponse>, Error> {
+        if request.session.is_empty() {
+            request.session.clone_from(&self.session);
+        }
+        Ok(self.world().watch_overlaps(Request::new(request)).await?.into_inner())
+    }
+
     /// Registers a geometry that fits into one message, and says its id. Repeating it returns the same id.
     pub async fn register(&self, geometry: proto::Geometry) -> Result<proto::GeometryInfo, Error> {
         let request =

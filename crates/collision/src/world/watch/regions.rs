@@ -141,7 +141,7 @@ impl Regions {
     fn staying_body(&self, region: u32, bounds: Aabb) -> Body<'_> {
         let Region { id, geometry, pose, .. } = &self.regions[region as usize];
         let placed = Placed { geometry, pose: *pose };
-        Body::standing(Side { placed, shape: None, bounds }, *id)
+        Body::standing(Side { placed, simple: None, shape: None, bounds }, *id)
     }
 }
 
