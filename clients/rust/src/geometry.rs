@@ -85,7 +85,7 @@ pub fn one_sided_mesh(
 /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// let body = calipers_client::geometry::solid_mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]);
 /// # let Some(calipers_client::proto::geometry::Kind::Mesh(mesh)) = body.kind else { panic!() };
-/// # assert_eq!((mesh.mode(), mesh.indices.len()), (calipers_client::proto::MeshMode::Solid, 12));
+/// # assert_eq!((mesh.mode, mesh.indices.len()), (calipers_client::proto::MeshMode::Solid as i32, 12));
 /// ```
 pub fn solid_mesh(
     vertices: impl IntoIterator<Item = [f32; 3]>,
