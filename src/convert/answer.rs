@@ -1,7 +1,7 @@
 //! Answers of the domain as they are sent: finite numbers only, and no side of an interval that is not known.
 
 use collision::{
-    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Representation, Stop, Verdict, Work},
     narrow::ContactPoint,
     world::{
         Contact, Found, Impact, Neighbor, OverlapHit, PAIRS_MAX, Pair, QuestionError, RayHit, ShapeId, SweepHit, Swept,
@@ -184,19 +184,7 @@ pub(super) fn contact(contact: &Contact) -> Checked<pb::Contact> {
         subject_feature: feature(contact.subject_feature),
         feature: feature(contact.feature),
         user_data: contact.user_data,
-        certificate: Some(contact_certificate(contact)?),
-    })
-}
-
-/// That of a contact, which convex parts may have stood in for.
-fn contact_certificate(contact: &Contact) -> Checked<pb::Certificate> {
-    let exact = certificate(&contact.certificate)?;
-    let Some(stand_in) = contact.stand_in else { return Ok(exact) };
-    Ok(pb::Certificate {
-        representation: pb::Representation::Decomposition.into(),
-        outside: number_out(stand_in.outside)?,
-        inside: number_out(stand_in.inside)?,
-        ..exact
+        certificate: Some(certificate(&contact.certificate)?),
     })
 }
 
@@ -242,9 +230,9 @@ fn certificate(certificate: &Certificate) -> Checked<pb::Certificate> {
     Ok(pb::Certificate {
         verdict: verdict(certificate.verdict).into(),
         interval: Some(interval(certificate.bound)?),
-        representation: pb::Representation::Exact.into(),
-        outside: 0.0,
-        inside: 0.0,
+        representation: representation(certificate.model.representation).into(),
+        outside: number_out(certificate.model.outside)?,
+        inside: number_out(certificate.model.inside)?,
         method: method(certificate.method).into(),
         stop: stop(certificate.stop).into(),
         iterations: certificate.iterations,
@@ -265,6 +253,17 @@ pub(super) fn verdict(verdict: Verdict) -> pb::Verdict {
         Verdict::Hit => pb::Verdict::Hit,
         Verdict::Miss => pb::Verdict::Miss,
         Verdict::Undecided => pb::Verdict::Undecided,
+    }
+}
+
+/// Shared with what is told of geometries.
+pub(super) fn representation(representation: Representation) -> pb::Representation {
+    match representation {
+        Representation::Ball => pb::Representation::Sphere,
+        Representation::OrientedBox => pb::Representation::OrientedBox,
+        Representation::SimplifiedHull => pb::Representation::SimplifiedHull,
+        Representation::Decomposition => pb::Representation::Decomposition,
+        Representation::Exact => pb::Representation::Exact,
     }
 }
 

@@ -83,7 +83,7 @@ fn outside(range: Bound, value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use collision::answer::{Method, Stop};
+    use collision::answer::{Method, Model, Stop};
 
     use super::*;
 
@@ -92,6 +92,7 @@ mod tests {
         let certificate = |verdict, lower, upper| Certificate {
             verdict,
             bound: Bound::new(lower, upper),
+            model: Model::EXACT,
             method: Method::Gjk,
             stop: Stop::Converged,
             iterations: 1,

@@ -83,7 +83,38 @@ pub enum Stop {
     Budget,
 }
 
-/// What a value is worth. Everything here was found on the geometry itself, where no [`StandIn`] says otherwise.
+/// What of a geometry a value was found on, from coarse to fine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Representation {
+    /// A ball around it.
+    Ball,
+    /// A box around it, along its own axes.
+    OrientedBox,
+    /// The convex hull of few of its points.
+    SimplifiedHull,
+    /// The convex parts that a mesh brings along. Depths are those of the parts; what touches is told by the mesh.
+    Decomposition,
+    /// The geometry itself.
+    Exact,
+}
+
+/// What stood in for two geometries, and how far they may differ from it. The interval beside it allows for that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Model {
+    /// The coarser of the two.
+    pub representation: Representation,
+    /// How far the geometries may lie outside of what stood in for them, both summed, metres.
+    pub outside: f64,
+    /// How far what stood in may lie outside of the geometries, both summed, metres.
+    pub inside: f64,
+}
+
+impl Model {
+    /// The geometries themselves.
+    pub const EXACT: Self = Self { representation: Representation::Exact, outside: 0.0, inside: 0.0 };
+}
+
+/// What a value is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
     /// What is proved about this item.
@@ -91,21 +122,14 @@ pub struct Certificate {
     /// Bounds of the value beside it: metres, or a fraction of the motion for times. For a ray or a motion that is
     /// undecided: bounds of the value should it touch.
     pub bound: Bound,
+    /// What it was found on.
+    pub model: Model,
     /// How the value was found.
     pub method: Method,
     /// Why the work ended.
     pub stop: Stop,
     /// Iterations spent on it.
     pub iterations: u32,
-}
-
-/// What stood in for a geometry: everything of a certificate but its verdict was found on that.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StandIn {
-    /// The two geometries lie within this of what stood in for them together, metres.
-    pub outside: f64,
-    /// What stood in for them lies within this of the two geometries together, metres.
-    pub inside: f64,
 }
 
 /// Where on a geometry. In order of parts, then of faces.

@@ -6,6 +6,7 @@
 mod advance;
 mod convex;
 mod half_space;
+mod motion;
 mod pieces;
 mod place;
 mod ray;
@@ -13,16 +14,17 @@ mod ray;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use convex::PlacedConvex;
+use self::convex::PlacedConvex;
 
 pub use convex::Warm;
+pub use motion::{InitialTouch, Motion};
 pub use ray::{Faces, Ray, RayTouch, RayTouches, raycast};
 
 pub(crate) use ray::{Aim, raycast_of};
 
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, StandIn, Work},
+    answer::{Bound, Certificate, Feature, Work},
     math::Pose,
     shape::{Form, Geometry, Simple},
 };
@@ -91,8 +93,6 @@ pub struct Contact {
     pub feature_b: Feature,
     /// What the depth is worth.
     pub certificate: Certificate,
-    /// Convex parts of meshes, if these were measured: the depth and its bound are theirs, the verdict is that of the meshes.
-    pub stand_in: Option<StandIn>,
 }
 
 /// A point of a contact, world frame.
@@ -288,51 +288,6 @@ pub fn penetration_warm(
         (Some(a), Some(b)) => Ok(convex::penetration_warm(a, b, max_gap, accuracy, warm, work).into_iter().collect()),
         _ => pieces::penetration(a, b, max_gap, accuracy, work),
     }
-}
-
-/// How two geometries move over the time from 0 to 1: each from its pose in a straight line, and turning about its local
-/// origin at a constant speed. At the time `t` a form that is turned by `q` at the start is turned by `exp(t·rotation) q`.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Motion {
-    /// How far `a` goes, metres.
-    pub displacement_a: DVec3,
-    /// How far `b` goes, metres.
-    pub displacement_b: DVec3,
-    /// How `a` turns: the axis times the angle, radians, in the axes of the world; several turns if it is long.
-    pub rotation_a: DVec3,
-    /// How `b` turns.
-    pub rotation_b: DVec3,
-    /// What becomes of a touch at the start.
-    pub initial: InitialTouch,
-}
-
-impl Motion {
-    /// Whether one of the two turns.
-    #[must_use]
-    pub fn turns(&self) -> bool {
-        self.rotation_a != DVec3::ZERO || self.rotation_b != DVec3::ZERO
-    }
-
-    /// The same motion with the two geometries swapped.
-    fn swapped(&self) -> Self {
-        Self {
-            displacement_a: self.displacement_b,
-            displacement_b: self.displacement_a,
-            rotation_a: self.rotation_b,
-            rotation_b: self.rotation_a,
-            initial: self.initial,
-        }
-    }
-}
-
-/// What becomes of pieces that touch at the start of a motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum InitialTouch {
-    /// It is the first touch, at time 0.
-    #[default]
-    Counts,
-    /// It is passed over until they are clear of each other. Convex pieces then stay clear, unless one of them turns.
-    IsIgnored,
 }
 
 /// The first touch of `a` and `b` in motion; `None` is a proof that the way is free. Linear motions are answered to

@@ -203,7 +203,7 @@ mod tests {
     use std::num::NonZeroU64;
 
     use super::*;
-    use crate::answer::{Bound, Method, Stop};
+    use crate::answer::{Bound, Method, Model, Stop};
 
     /// A touch that a kernel would find, and the lower bound that its canonical box proves.
     #[derive(Clone, Debug, PartialEq)]
@@ -239,6 +239,7 @@ mod tests {
             certificate: Certificate {
                 verdict: if next(3) == 0 { Verdict::Undecided } else { Verdict::Hit },
                 bound: Bound::new(lower, value + next(4) as f64),
+                model: Model::EXACT,
                 method: Method::Gjk,
                 stop: Stop::Budget,
                 iterations: 0,

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Certificate, Feature, StandIn},
+    answer::{Certificate, Feature},
     narrow::{self, ContactPoint},
 };
 
@@ -47,10 +47,8 @@ pub struct Contact {
     pub subject_feature: Feature,
     /// The shape's piece.
     pub feature: Feature,
-    /// What the depth is worth.
+    /// What the depth is worth; where convex parts of meshes were measured, the verdict is that of the meshes.
     pub certificate: Certificate,
-    /// Convex parts of meshes, if these were measured: the depth and its bound are theirs, the verdict is that of the meshes.
-    pub stand_in: Option<StandIn>,
 }
 
 impl Snapshot {
@@ -99,7 +97,6 @@ fn of_shape(contact: narrow::Contact, other: &Side<'_>) -> Contact {
         subject_feature: contact.feature_a,
         feature: contact.feature_b,
         certificate: contact.certificate,
-        stand_in: contact.stand_in,
     }
 }
 

@@ -26,7 +26,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Model, Stop, Verdict, Work},
     broad::{ALL_LAYERS, Line, Path, StaticTree, Tree},
     math::{Aabb, Pose},
     narrow::{self, ImpactTouch, InitialTouch, Motion},
@@ -280,6 +280,7 @@ fn untested(bullet: &Moving<'_>, least: f64) -> ImpactTouch {
         certificate: Certificate {
             verdict: Verdict::Undecided,
             bound: Bound::new(least, 1.0),
+            model: Model::EXACT,
             method: Method::Bounds,
             stop: Stop::Budget,
             iterations: 0,

@@ -3,7 +3,7 @@
 use collision::{
     DQuat, DVec3,
     accuracy::{Accuracy, Tier},
-    answer::{Verdict, Work},
+    answer::{Representation, Verdict, Work},
     decompose::Options,
     math::Pose,
     narrow::{Contacts, NeedsDecomposition, Placed, overlap, penetration},
@@ -54,10 +54,11 @@ fn parts_tell_how_deep_and_meshes_whether() {
         for (contact, other) in found.iter().zip(&of_parts) {
             assert_eq!((contact.depth, contact.certificate.bound), (other.depth, other.certificate.bound));
             assert_eq!((contact.feature_a, contact.feature_b), (other.feature_a, other.feature_b));
-            let stand_in = contact.stand_in.expect("it was measured on parts");
-            let is_apart = contact.certificate.bound.upper < -stand_in.outside;
+            let model = contact.certificate.model;
+            assert_eq!(model.representation, Representation::Decomposition, "it was measured on parts");
+            let is_apart = contact.certificate.bound.upper < -model.outside;
             assert_eq!(contact.certificate.verdict, if is_apart { Verdict::Miss } else { touch });
-            assert!(stand_in.outside >= 2.0 * parts.outside.upper && stand_in.inside < 1e-9);
+            assert!(model.outside >= 2.0 * parts.outside.upper && model.inside < 1e-9);
         }
         let swapped = contacts(there, here, 0.25).expect("parts");
         assert_eq!(swapped.len(), found.len());

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Model, Verdict, Work},
     narrow::{Contact, ContactPoint, Depth},
     tolerance::POINT_DEPTH,
 };
@@ -127,7 +127,6 @@ impl Judged<'_> {
             feature_a: Feature::default(),
             feature_b: Feature::default(),
             certificate: self.certificate(),
-            stand_in: None,
         }
     }
 
@@ -145,7 +144,8 @@ impl Judged<'_> {
 
     fn certificate(&self) -> Certificate {
         let Touch { lower, upper, method, stop, iterations, .. } = *self.touch;
-        Certificate { verdict: self.verdict, bound: self.pair.bound_out(lower, upper), method, stop, iterations }
+        let bound = self.pair.bound_out(lower, upper);
+        Certificate { verdict: self.verdict, bound, model: Model::EXACT, method, stop, iterations }
     }
 }
 

@@ -31,7 +31,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Model, Stop, Verdict, Work},
     math::Norm,
     narrow::{ImpactTouch, InitialTouch, Motion, advance::Touch},
     shape::Core,
@@ -81,6 +81,7 @@ pub(crate) fn impact(
         certificate: Certificate {
             verdict: touch.verdict,
             bound: touch.bound,
+            model: Model::EXACT,
             method: Method::Advancement,
             stop: touch.stop,
             iterations: method_iterations,

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Model, Stop, Verdict, Work},
     math::Norm,
     narrow::Separation,
     tolerance::PAIR_ROUNDING,
@@ -92,6 +92,7 @@ impl Signed {
         Certificate {
             verdict: self.verdict,
             bound: pair.bound_out(self.lower + margin, self.upper + margin),
+            model: Model::EXACT,
             method: self.method,
             stop: if self.verdict == Verdict::Undecided { self.stop } else { Stop::Tolerance },
             iterations: self.iterations,
@@ -209,6 +210,7 @@ fn distance_in_order(
         certificate: Certificate {
             verdict,
             bound: pair.bound_out(lower, upper),
+            model: Model::EXACT,
             method: signed.method,
             stop: gap.stop,
             iterations: signed.iterations,

@@ -60,7 +60,6 @@ impl Above<'_> {
             feature_a: low.feature,
             feature_b: Feature::default(),
             certificate: depth.certificate(signed.verdict, Stop::Converged),
-            stand_in: None,
         })
     }
 }

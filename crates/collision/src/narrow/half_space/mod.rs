@@ -30,7 +30,7 @@ pub(super) use self::{
 use super::{Contact, Contacts, Depth, ImpactTouch, Motion, Placed, Separation, convex, place::Place};
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Model, Stop, Verdict, Work},
     math::{Pose, twofold::Twofold},
     shape::{Convex, Form, HalfSpace, HeightField, Mesh},
     tolerance::{LOWEST_POINT, ROUNDING, TURNED_LOWEST_POINT},
@@ -381,6 +381,7 @@ impl Signed {
         Certificate {
             verdict,
             bound: Bound::new(self.lower + 0.0, self.upper + 0.0),
+            model: Model::EXACT,
             method: Method::ClosedForm,
             stop,
             iterations: 1,

@@ -160,7 +160,6 @@ impl<'a> Spaces<'a> {
             feature_a: Feature::default(),
             feature_b: Feature::default(),
             certificate: depth.certificate(signed.verdict, Stop::Converged),
-            stand_in: None,
         };
         Some(if self.order == Order::Swapped { contact.swapped() } else { contact })
     }

@@ -16,7 +16,7 @@ use glam::DVec3;
 use super::{Above, Body, Low};
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, Method, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Model, Verdict, Work},
     math::{Norm, Pose},
     narrow::{
         ImpactTouch, InitialTouch,
@@ -110,6 +110,7 @@ impl<'a> Search<'a> {
             certificate: Certificate {
                 verdict: touch.verdict,
                 bound: Bound::new(touch.bound.lower, touch.bound.upper),
+                model: Model::EXACT,
                 method: Method::Advancement,
                 stop: touch.stop,
                 iterations: self.iterations,

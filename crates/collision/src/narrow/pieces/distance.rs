@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Model, Stop, Verdict, Work},
     narrow::{Placed, Separation, convex},
 };
 
@@ -142,6 +142,7 @@ fn touching_at(point: DVec3) -> Separation {
         certificate: Certificate {
             verdict: Verdict::Hit,
             bound: Bound::new(0.0, 0.0),
+            model: Model::EXACT,
             method: Method::ClosedForm,
             stop: Stop::Converged,
             iterations: 1,

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Model, Stop, Verdict, Work},
     narrow::{ImpactTouch, InitialTouch, Motion, Placed},
 };
 
@@ -214,6 +214,7 @@ fn beginning_inside(point: DVec3, verdict: Verdict) -> Candidate {
     let certificate = Certificate {
         verdict,
         bound: Bound::new(0.0, 0.0),
+        model: Model::EXACT,
         method: Method::ClosedForm,
         stop: Stop::Converged,
         iterations: 1,

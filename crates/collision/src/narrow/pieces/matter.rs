@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use super::{Piece, Side, concave::Concave};
 use crate::{
-    answer::{Bound, Certificate, Feature, Method, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Feature, Method, Model, Stop, Verdict, Work},
     math::Norm,
     narrow::{
         Contact, ImpactTouch, Separation,
@@ -77,7 +77,14 @@ impl Met {
             Standing::Open(beyond) => (Verdict::Undecided, open(beyond)),
             Standing::Inside(_) | Standing::Outside => (Verdict::Hit, inside),
         };
-        Certificate { verdict, bound, method: Method::ClosedForm, stop: Stop::Converged, iterations: 1 }
+        Certificate {
+            verdict,
+            bound,
+            model: Model::EXACT,
+            method: Method::ClosedForm,
+            stop: Stop::Converged,
+            iterations: 1,
+        }
     }
 
     /// What it says of the signed distance.

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Method, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Method, Model, Stop, Verdict, Work},
     narrow::{Placed, convex},
 };
 
@@ -34,6 +34,7 @@ impl Touching {
             certificate: Certificate {
                 verdict: Verdict::Miss,
                 bound: Bound::new(0.0, f64::INFINITY),
+                model: Model::EXACT,
                 method: Method::Bounds,
                 stop: Stop::Tolerance,
                 iterations: 0,
@@ -63,6 +64,7 @@ impl Touching {
         self.take(Certificate {
             verdict,
             bound: Bound::new(f64::NEG_INFINITY, upper),
+            model: Model::EXACT,
             method: Method::ClosedForm,
             stop: Stop::Converged,
             iterations: 1,
@@ -120,6 +122,7 @@ impl Touching {
         self.certificate = Certificate {
             verdict,
             bound: Bound::new(lower, known.bound.upper.min(piece.bound.upper)),
+            model: Model::EXACT,
             method: if is_news { piece.method } else { known.method },
             stop: if is_news { piece.stop } else { known.stop },
             iterations: known.iterations.saturating_add(piece.iterations),

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{StandIn, Verdict, Work},
+    answer::{Model, Representation, Verdict, Work},
     narrow::{Contact, Contacts, NeedsDecomposition, Placed},
     shape::{MeshMode, MeshParts, Standing},
 };
@@ -73,16 +73,16 @@ fn by_parts(
     });
     let mut contacts = penetration(one, other, max_gap, accuracy, work)?;
     let sum = |error: fn(&MeshParts) -> f64| parts.iter().flatten().map(|parts| error(parts)).sum::<f64>();
-    let stand_in = StandIn { outside: sum(|parts| parts.outside.upper), inside: sum(|parts| parts.inside.upper) };
+    let (outside, inside) = (sum(|parts| parts.outside.upper), sum(|parts| parts.inside.upper));
     // Only what may touch needs to be asked.
     let mut touch = None;
     for contact in &mut contacts {
         let certificate = &mut contact.certificate;
         // Both sides of the comparison are rounded once.
-        let is_apart = certificate.bound.upper.next_up() < -stand_in.outside.next_up();
+        let is_apart = certificate.bound.upper.next_up() < -outside.next_up();
         certificate.verdict =
             if is_apart { Verdict::Miss } else { touch.get_or_insert_with(|| overlap(a, b, accuracy, work)).verdict };
-        contact.stand_in = Some(stand_in);
+        certificate.model = Model { representation: Representation::Decomposition, outside, inside };
     }
     Ok(contacts)
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{Faces, Ray, RayTouch, RayTouches, frame::LocalRay};
 use crate::{
-    answer::{Bound, Certificate, Feature, Method, Stop, Verdict},
+    answer::{Bound, Certificate, Feature, Method, Model, Stop, Verdict},
     math::Pose,
 };
 
@@ -156,6 +156,7 @@ pub(super) fn certificate(verdict: Verdict, bound: Bound) -> Certificate {
     Certificate {
         verdict,
         bound: Bound::new(bound.lower + 0.0, bound.upper + 0.0),
+        model: Model::EXACT,
         method: Method::ClosedForm,
         stop: Stop::Converged,
         iterations: 1,

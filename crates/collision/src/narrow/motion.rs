@@ -1,0 +1,48 @@
+//! How two geometries move, for questions about their first touch.
+
+use glam::DVec3;
+
+/// How two geometries move over the time from 0 to 1: each from its pose in a straight line, and turning about its local
+/// origin at a constant speed. At the time `t` a form that is turned by `q` at the start is turned by `exp(t·rotation) q`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Motion {
+    /// How far `a` goes, metres.
+    pub displacement_a: DVec3,
+    /// How far `b` goes, metres.
+    pub displacement_b: DVec3,
+    /// How `a` turns: the axis times the angle, radians, in the axes of the world; several turns if it is long.
+    pub rotation_a: DVec3,
+    /// How `b` turns.
+    pub rotation_b: DVec3,
+    /// What becomes of a touch at the start.
+    pub initial: InitialTouch,
+}
+
+impl Motion {
+    /// Whether one of the two turns.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        self.rotation_a != DVec3::ZERO || self.rotation_b != DVec3::ZERO
+    }
+
+    /// The same motion with the two geometries swapped.
+    pub(super) fn swapped(&self) -> Self {
+        Self {
+            displacement_a: self.displacement_b,
+            displacement_b: self.displacement_a,
+            rotation_a: self.rotation_b,
+            rotation_b: self.rotation_a,
+            initial: self.initial,
+        }
+    }
+}
+
+/// What becomes of pieces that touch at the start of a motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InitialTouch {
+    /// It is the first touch, at time 0.
+    #[default]
+    Counts,
+    /// It is passed over until they are clear of each other. Convex pieces then stay clear, unless one of them turns.
+    IsIgnored,
+}
