@@ -4,15 +4,16 @@ use std::sync::Arc;
 
 use collision::{
     DVec3,
-    shape::{Convex, Core, Form, Geometry, GeometryError, HalfSpace, Mesh, MeshMode},
+    shape::{Convex, Core, Form, Geometry, GeometryError, HalfSpace, Mesh, MeshMode, StandIn},
 };
 use wire::v1::{self as pb, geometry::Kind};
 
 use super::{
+    answer::representation,
     compound, height_field,
     number::unknown_enum,
     parts::result_out,
-    place::{aabb_out, column_number},
+    place::{aabb_out, column_number, number_out},
 };
 use crate::{
     geometries::{Geometries, id_text},
@@ -274,6 +275,17 @@ pub(crate) fn info_out(geometry: &Geometry, shape_count: u64) -> Checked<pb::Geo
         shape_count,
         warnings,
         problem: None,
+        stand_ins: geometry.stand_ins_built().map(stand_in_out).collect::<Checked<_>>()?,
+    })
+}
+
+fn stand_in_out(stand_in: &StandIn) -> Checked<pb::StandIn> {
+    Ok(pb::StandIn {
+        representation: representation(stand_in.representation()).into(),
+        outside: number_out(stand_in.outside())?,
+        inside: number_out(stand_in.inside())?,
+        vertex_count: u32::try_from(stand_in.vertex_count()).unwrap_or(u32::MAX),
+        memory_bytes: stand_in.memory_bytes(),
     })
 }
 

@@ -26,6 +26,7 @@ mod questions;
 mod reading;
 mod resolve;
 mod sessions;
+mod stand_ins;
 mod tokens;
 mod uploads;
 mod versions;

@@ -42,6 +42,21 @@ impl Accuracy {
         };
         Self { tier, max_error: 0.0, max_error_relative, budget }
     }
+
+    /// Whether a simpler form may stand in for a geometry: if an error is named that is above the standard tier's, and the tier
+    /// is not [`Tier::Exact`]. The fast tier's defaults name one.
+    ///
+    /// ```
+    /// use collision::accuracy::{Accuracy, Tier};
+    /// assert!(!Accuracy::default().may_stand_in() && Accuracy::of(Tier::Fast).may_stand_in());
+    /// assert!(Accuracy { max_error: 0.01, ..Accuracy::default() }.may_stand_in());
+    /// assert!(!Accuracy { max_error: 0.01, ..Accuracy::of(Tier::Exact) }.may_stand_in());
+    /// ```
+    #[must_use]
+    pub fn may_stand_in(&self) -> bool {
+        let names_error = self.max_error > 0.0 || self.max_error_relative > Self::of(Tier::Standard).max_error_relative;
+        names_error && self.tier != Tier::Exact
+    }
 }
 
 impl Default for Accuracy {

@@ -228,6 +228,12 @@ pub const POINT_DEPTH: f64 = 4.0 * PAIR_ROUNDING;
 /// less than what it leaves out. Test: `convex/simplify.rs`.
 pub const WITNESS_ROUNDING: f64 = 16.0 * ROUNDING;
 
+/// How far the distance between a point of a stand-in and a point of a geometry may be from the exact one beyond its own
+/// rounding, as a part of the geometry's reach: a point that is strewn on a triangle, or turned with a part, is off by at most
+/// 64 roundings four compounds deep each, and one that steps towards a corner 32 times by 4 each time; 512 cover both. Larger:
+/// wider intervals. Smaller: an upper bound might be none. Test: `ladder/rungs.rs`.
+pub const STAND_IN_ROUNDING: f64 = 512.0 * ROUNDING;
+
 /// A triangle of an expanding polytope of less than half this area (2⁻¹⁸) is a sliver or a crumb: its plane may lean by
 /// 2⁻²⁶ and more, so its distance is taken along the way to its nearest point as well, and on which side of it the origin lies
 /// is asked exactly. Smaller, and a crumb's plane might pass close to the origin, so that it is expanded for nothing; larger,

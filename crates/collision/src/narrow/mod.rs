@@ -6,6 +6,7 @@
 mod advance;
 mod convex;
 mod half_space;
+mod ladder;
 mod motion;
 mod pieces;
 mod place;
@@ -14,9 +15,10 @@ mod ray;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use self::convex::PlacedConvex;
+use self::{convex::PlacedConvex, ladder::Climb};
 
 pub use convex::Warm;
+pub use ladder::distance_on;
 pub use motion::{InitialTouch, Motion};
 pub use ray::{Faces, Ray, RayTouch, RayTouches, raycast};
 
@@ -150,6 +152,9 @@ pub fn distance(a: Placed<'_>, b: Placed<'_>, limit: f64, accuracy: &Accuracy, w
     if let Some(pair) = half_space::Pair::of(&a, &b) {
         return pair.distance(limit, work);
     }
+    if let Climb::Answered(found) = ladder::distance(&a, &b, limit, accuracy, work) {
+        return found;
+    }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::distance(a, b, limit, accuracy, work),
         _ => pieces::distance(a, b, limit, accuracy, work),
@@ -195,6 +200,9 @@ pub fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Wor
     if let Some(pair) = half_space::Pair::of(&a, &b) {
         return pair.overlap(work);
     }
+    if let Climb::Answered(found) = ladder::overlap(&a, &b, accuracy, work) {
+        return found;
+    }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::overlap(a, b, accuracy, work),
         _ => pieces::overlap(a, b, accuracy, work),
@@ -236,6 +244,9 @@ pub fn depth(a: Placed<'_>, b: Placed<'_>, max_gap: f64, accuracy: &Accuracy, wo
     if let Some(pair) = half_space::Pair::of(&a, &b) {
         return pair.depth(max_gap, work);
     }
+    if let Climb::Answered(found) = ladder::depth(&a, &b, max_gap, accuracy, work) {
+        return found;
+    }
     convex::depth(a.as_convex()?, b.as_convex()?, max_gap, accuracy, work)
 }
 
@@ -262,6 +273,9 @@ pub fn penetration(
 ) -> Result<Contacts, NeedsDecomposition> {
     if let Some(pair) = half_space::Pair::of(&a, &b) {
         return Ok(pair.penetration(max_gap, work));
+    }
+    if let Climb::Answered(found) = ladder::penetration(&a, &b, max_gap, accuracy, work) {
+        return Ok(found);
     }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => Ok(convex::penetration(a, b, max_gap, accuracy, work).into_iter().collect()),
@@ -322,6 +336,9 @@ pub fn impact(
 ) -> Option<ImpactTouch> {
     if let Some(pair) = half_space::Pair::of(&a, &b) {
         return pair.impact(motion, accuracy, work);
+    }
+    if let Climb::Answered(found) = ladder::impact(&a, &b, motion, accuracy, work) {
+        return found;
     }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => convex::impact(a, b, motion, [DVec3::ZERO; 2], accuracy, work),

@@ -209,7 +209,7 @@ fn sum(a: Aabb, b: Aabb) -> Aabb {
 }
 
 /// The length of a vector, rounded up. The largest component is taken out first, so that no square vanishes.
-fn length_up(vector: DVec3) -> f64 {
+pub(super) fn length_up(vector: DVec3) -> f64 {
     let largest = vector.abs().max_element();
     if largest == 0.0 {
         return 0.0;

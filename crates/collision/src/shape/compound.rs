@@ -24,6 +24,7 @@ use glam::DQuat;
 use super::{
     Form, Geometry,
     bounds::{farthest_of_part, part_bounds},
+    ladder::Ladder,
     limits::{AXES, GeometryError, Limits, check_count, check_finite, out_of_limits},
 };
 use crate::{
@@ -50,6 +51,7 @@ pub struct Compound {
     depth: u32,
     has_surface: bool,
     tree: OnceLock<StaticTree>,
+    ladder: Ladder,
 }
 
 impl Compound {
@@ -62,6 +64,7 @@ impl Compound {
             has_surface: false,
             parts: Vec::new(),
             tree: OnceLock::new(),
+            ladder: Ladder::default(),
         };
         for (index, part) in parts.iter().enumerate() {
             compound.first_leaves.push(compound.leaf_count);
@@ -136,7 +139,14 @@ impl Compound {
     #[must_use]
     pub fn own_bytes(&self) -> u64 {
         let lists = size_of_val(self.parts.as_slice()) + size_of_val(self.first_leaves.as_slice());
-        (size_of::<Self>() + lists) as u64 + self.tree.get().map_or(0, StaticTree::memory_bytes)
+        (size_of::<Self>() + lists) as u64
+            + self.ladder.memory_bytes()
+            + self.tree.get().map_or(0, StaticTree::memory_bytes)
+    }
+
+    /// What may stand in for it.
+    pub(super) fn ladder(&self) -> &Ladder {
+        &self.ladder
     }
 
     /// The box of all parts, rounded outwards.

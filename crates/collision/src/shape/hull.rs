@@ -12,6 +12,7 @@ use super::{
     bounds::{around, farthest},
     climb::Slopes,
     farthest::Columns,
+    ladder::Ladder,
     quickhull,
     topology::{Edge, Face, Topology},
 };
@@ -29,12 +30,17 @@ pub struct Hull {
     topology: OnceLock<Topology>,
     slopes: OnceLock<Slopes>,
     normals: OnceLock<Columns>,
+    ladder: Ladder,
 }
 
 impl Hull {
     /// With more vertices than this, walking over the edges finds a support sooner than looking at all of them.
     /// Measured with random directions, see the module of the walk.
     pub const CLIMB_ABOVE: usize = 64;
+
+    /// From so many vertices on, simpler forms may stand in for it. Below, asking it costs no more than asking them. Measured
+    /// with `yardstick ladder`.
+    pub const STAND_INS_FROM: usize = 128;
 
     /// The hull of `points`, at least one, all finite. The topology is built when a question first needs it.
     #[must_use]
@@ -50,6 +56,7 @@ impl Hull {
             topology: OnceLock::new(),
             slopes: OnceLock::new(),
             normals: OnceLock::new(),
+            ladder: Ladder::default(),
         }
     }
 
@@ -81,6 +88,11 @@ impl Hull {
     #[must_use]
     pub fn center(&self) -> DVec3 {
         self.center
+    }
+
+    /// What may stand in for it, if it is large.
+    pub(super) fn ladder(&self) -> Option<&Ladder> {
+        (self.vertices.len() >= Self::STAND_INS_FROM).then_some(&self.ladder)
     }
 
     /// The local box, exact.
@@ -183,6 +195,6 @@ impl Hull {
         let slopes =
             self.slopes.get().map_or(0, Slopes::memory_bytes) + self.normals.get().map_or(0, Columns::memory_bytes);
         let points = self.vertices.len() * size_of::<DVec3>() + self.columns.memory_bytes();
-        (size_of::<Self>() + points + topology + slopes) as u64
+        (size_of::<Self>() + points + topology + slopes) as u64 + self.ladder.memory_bytes()
     }
 }

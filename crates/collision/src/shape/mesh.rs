@@ -8,7 +8,8 @@ use std::{
 use glam::DVec3;
 
 use super::{
-    adjacency::Adjacency, bounds::around, creases::Fans, islands::first_vertices, mode::MeshMode, parts::MeshParts,
+    adjacency::Adjacency, bounds::around, creases::Fans, islands::first_vertices, ladder::Ladder, mode::MeshMode,
+    parts::MeshParts,
 };
 use crate::{
     broad::StaticTree,
@@ -31,6 +32,7 @@ pub struct Mesh {
     part_vertices: OnceLock<Vec<u32>>,
     tree: OnceLock<StaticTree>,
     parts: Option<Arc<MeshParts>>,
+    ladder: Ladder,
 }
 
 /// What was found in a mesh when it came.
@@ -83,6 +85,7 @@ impl Mesh {
             part_vertices: OnceLock::new(),
             tree: OnceLock::new(),
             parts: None,
+            ladder: Ladder::default(),
         };
         for (triangle, &number) in triangles.iter().zip(numbers) {
             let corners = triangle.map(|vertex| vertices[vertex as usize]);
@@ -211,6 +214,11 @@ impl Mesh {
         self.tree.get()
     }
 
+    /// What may stand in for it.
+    pub(super) fn ladder(&self) -> &Ladder {
+        &self.ladder
+    }
+
     /// What was found when it came. The first call looks for open edges, which costs a sort of all edges.
     #[must_use]
     pub fn report(&self) -> MeshReport {
@@ -235,7 +243,8 @@ impl Mesh {
             + self.fans.get().map_or(0, Fans::memory_bytes)
             + self.part_vertices.get().map_or(0, |parts| size_of_val(parts.as_slice()));
         let parts = self.parts().map_or(0, |parts| parts.whole.memory_bytes());
-        (size_of::<Self>() + lists) as u64 + parts + self.tree.get().map_or(0, StaticTree::memory_bytes)
+        let lazy = parts + self.ladder.memory_bytes();
+        (size_of::<Self>() + lists) as u64 + lazy + self.tree.get().map_or(0, StaticTree::memory_bytes)
     }
 }
 

@@ -86,6 +86,16 @@ impl Hull {
         self.with(kept, scaled.length_out_up(outside + blur))
     }
 
+    /// The hull of at most `most` of some distinct points, with what it leaves out of the hull of all of them. The hull of all is
+    /// never made: costs O(n) for each point kept.
+    pub(super) fn spanned_by(points: &[DVec3], most: usize) -> Simplified {
+        let scaled = Scaled::new(points);
+        let (mut kept, outside) = Growth::new(&scaled.points).run(most, 0.0);
+        kept.sort_unstable();
+        let kept: Vec<DVec3> = kept.into_iter().map(|point| points[point]).collect();
+        Simplified { hull: Self::new(&kept), outside: scaled.length_out_up(outside + 2.0 * scaled.blur), inside: 0.0 }
+    }
+
     fn with(&self, kept: impl Iterator<Item = usize>, outside: f64) -> Simplified {
         let points: Vec<DVec3> = kept.map(|vertex| self.vertices()[vertex]).collect();
         Simplified { hull: Self::new(&points), outside, inside: 0.0 }

@@ -30,7 +30,7 @@ use super::{
     Contact, Filter, HitMode, Impact, Meter, Penetration, QuestionError, Raycast, Snapshot, Subject, TimeOfImpact,
 };
 use crate::{
-    accuracy::Accuracy,
+    accuracy::{Accuracy, Tier},
     answer::{Bound, Verdict},
     math::{Norm, Pose, try_unit},
     narrow::{Faces, ImpactTouch, InitialTouch, Ray},
@@ -94,6 +94,8 @@ impl Snapshot {
         // A skin that a form cannot have is refused, though sweeps take a thinner one.
         let whole = Geometry::clone(&geometry).rounded(question.skin).map_err(QuestionError::Skin)?;
         let skinned = Geometry::clone(&geometry).rounded((question.skin - margin).max(0.0)).unwrap_or(whole);
+        // Planes of a stand-in would lead it into the shape, or off it.
+        let accuracy = &Accuracy { tier: Tier::Exact, ..*accuracy };
         let mut walk = Walk {
             world: self,
             question,

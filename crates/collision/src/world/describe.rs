@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{Settings, Snapshot, Tick, Time};
 use crate::{
+    answer::Representation,
     broad::StaticTree,
     math::Aabb,
     shape::{Form, Geometry, distinct},
@@ -39,7 +40,8 @@ pub struct Description {
 /// Something that was built because a question or an edit first needed it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltStructure {
-    /// `dynamic_tree`, `static_tree`, `mesh_tree`, `history` (its ticks), `past_trees` (what questions to the past had built).
+    /// `dynamic_tree`, `static_tree`, `mesh_tree`, `compound_tree`, `ball_and_box` and `simplified_hull` (what stands in for
+    /// geometries), `history` (its ticks), `past_trees` (what questions to the past had built).
     pub name: &'static str,
     /// How many of them.
     pub count: u64,
@@ -138,7 +140,17 @@ impl Snapshot {
 /// What geometries were needed to build so far; its memory is that of the geometries.
 fn built_in(geometries: &[&Arc<Geometry>]) -> impl Iterator<Item = BuiltStructure> {
     let [mut meshes, mut compounds, mut fields] = ["mesh_tree", "compound_tree", "height_pyramid"].map(Sum::of);
+    let [mut volumes, mut hulls] = ["ball_and_box", "simplified_hull"].map(Sum::of);
     for geometry in geometries {
+        for rung in geometry.stand_ins_built() {
+            match rung.representation() {
+                // Made together with the box.
+                Representation::Ball => volumes.0.memory_bytes += rung.memory_bytes(),
+                Representation::OrientedBox => volumes.add(Some(rung.memory_bytes())),
+                Representation::SimplifiedHull => hulls.add(Some(rung.memory_bytes())),
+                Representation::Decomposition | Representation::Exact => {}
+            }
+        }
         match geometry.form() {
             Form::Mesh(mesh) => meshes.add(mesh.built_tree().map(StaticTree::memory_bytes)),
             Form::Compound(compound) => compounds.add(compound.built_tree().map(StaticTree::memory_bytes)),
@@ -146,7 +158,7 @@ fn built_in(geometries: &[&Arc<Geometry>]) -> impl Iterator<Item = BuiltStructur
             Form::Convex(_) | Form::HalfSpace(_) => {}
         }
     }
-    [meshes, compounds, fields].into_iter().map(|sum| sum.0).filter(|structure| structure.count > 0)
+    [meshes, compounds, fields, volumes, hulls].into_iter().map(|sum| sum.0).filter(|structure| structure.count > 0)
 }
 
 /// All structures of one kind.
