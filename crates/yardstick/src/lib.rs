@@ -3,13 +3,15 @@
 //!
 //! # Map
 //! [`sets`] reads a folder of query sets; [`oracle`] knows what is true, slowly;
-//! [`check`] asks, compares and reports; [`coverage`] does so for random pairs; [`scene`] makes worlds for benches.
+//! [`check`] asks, compares and reports; [`coverage`] does so for random pairs;
+//! [`ladder`] measures what stands in for geometries; [`scene`] makes worlds for benches.
 //!
 //! # Never
 //! The oracle never knows the kernels; nothing here knows the server's insides.
 
 pub mod check;
 pub mod coverage;
+pub mod ladder;
 pub mod oracle;
 pub mod scene;
 pub mod sets;

@@ -15,6 +15,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use yardstick::{
     check::{Asker, CrateAsker, Known, Reporting, ServerAsker, check_folder},
     coverage::{self, Failure, Fault, Kind, Settings},
+    ladder,
 };
 
 /// How right Calipers is.
@@ -36,6 +37,14 @@ enum Command {
     /// Prints the first failures as tests to paste and a table by kinds. An interrupt ends it early, with the table so far.
     /// Exits with 0 if all are right (but for what `--wide` accepts), 1 on any failure.
     Coverage(CoverageArguments),
+    /// Measures what each stand-in for real assets costs and how wide its intervals are, and prints a table.
+    Ladder(LadderArguments),
+}
+
+#[derive(clap::Args)]
+struct LadderArguments {
+    /// The folder with the query sets.
+    dir: PathBuf,
 }
 
 #[derive(clap::Args)]
@@ -106,6 +115,10 @@ const EXIT_INTERRUPTED: i32 = 130;
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Check(arguments) => check(&arguments),
+        Command::Ladder(arguments) => {
+            let done = ladder::run(&arguments.dir, &mut io::stdout().lock());
+            done.map(|()| 0).map_err(|error| error.to_string())
+        }
         Command::Coverage(arguments) => cover(&arguments).map_err(|error| error.to_string()),
     };
     match done {
