@@ -26,9 +26,10 @@ use crate::{
 /// How long a call may wait to be admitted before it is refused: a burst gets through, an overload does not queue up.
 const ADMISSION_WAIT: Duration = Duration::from_millis(20);
 /// Calls that live for long and do their work in small pieces; they are not counted.
-const STREAMS: [&str; 4] = [
+const STREAMS: [&str; 5] = [
     "/calipers.v1.WorldService/EditStream",
     "/calipers.v1.WorldService/WatchOverlaps",
+    "/calipers.v1.WorldService/WatchWorld",
     "/calipers.v1.GeometryService/UploadGeometry",
     "/calipers.v1.QueryService/QueryStream",
 ];

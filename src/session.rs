@@ -221,16 +221,25 @@ impl Session {
         Ok(applied)
     }
 
-    /// Each version that is made from now on, and a place among those who watch, to be given back at the end.
+    /// Each version that is made from now on.
+    pub(crate) fn versions(&self) -> broadcast::Receiver<Arc<Snapshot>> {
+        self.versions.subscribe()
+    }
+
+    /// The newest tick, and each that becomes it.
+    pub(crate) fn ticks(&self) -> watch::Receiver<Tick> {
+        self.newest_tick.subscribe()
+    }
+
+    /// A place among those who watch, until it is dropped.
     ///
     /// # Errors
     /// Too many watch.
-    pub(crate) fn watch(&self) -> Checked<(broadcast::Receiver<Arc<Snapshot>>, OwnedSemaphorePermit)> {
-        let place = Arc::clone(&self.watchers).try_acquire_owned().map_err(|_| {
+    pub(crate) fn watching(&self) -> Checked<OwnedSemaphorePermit> {
+        Arc::clone(&self.watchers).try_acquire_owned().map_err(|_| {
             let what = format!("{WATCHERS} streams watch session {:?}, which is the most: end one first", self.id);
             Problem::new(Reason::QuotaExceeded, what).with("quota", "session_watchers").with("limit", WATCHERS)
-        })?;
-        Ok((self.versions.subscribe(), place))
+        })
     }
 
     /// Changes the settings of the world.

@@ -22,4 +22,5 @@ pub(crate) mod rays;
 pub(crate) mod resolve;
 pub(crate) mod settings;
 pub(crate) mod shape;
+pub(crate) mod view;
 pub(crate) mod watch;

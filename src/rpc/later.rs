@@ -33,9 +33,6 @@ macro_rules! later {
 }
 
 later! {
-    WATCH_WORLD = "WatchWorld"
-        will "send the shapes and their changes to a viewer"
-        meanwhile "read ListShapes after each tick";
     EXPORT_WORLD = "ExportWorld"
         will "send one tick of a world, complete in itself"
         meanwhile "read ListShapes, page by page, which keeps to one tick";

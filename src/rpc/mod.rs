@@ -35,6 +35,7 @@ mod turns;
 mod update_world;
 mod upload;
 mod watch_overlaps;
+mod watch_world;
 mod worlds;
 
 use std::{pin::Pin, sync::Arc, time::Duration};

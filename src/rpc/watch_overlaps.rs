@@ -65,7 +65,7 @@ pub(super) async fn open(
     let known = session.clone();
     let weight = Weight::of_message(sent.encoded_len());
     let watch = compute::run(weight, "reading what to watch", move || watch(&sent, &known.geometries)).await?;
-    let (versions, place) = session.watch()?;
+    let (versions, place) = (session.versions(), session.watching()?);
     let (answers, unread) = mpsc::channel(UNREAD_MESSAGES);
     let stop = server.drain.clone();
     tokio::spawn(async move {
@@ -294,9 +294,16 @@ impl Messages {
 
     fn next(&mut self) -> pb::WatchOverlapsResponse {
         let pb::WatchOverlapsResponse { info, snapshot, merged_ticks, .. } = self.like;
+        // A reader forgets what it knows once, at the first.
+        self.like.snapshot = false;
         let lists = self.told.next(ROWS_OF_A_MESSAGE);
-        let resume_token = if lists.more { String::new() } else { std::mem::take(&mut self.token) };
-        pb::WatchOverlapsResponse { info, snapshot, merged_ticks, resume_token, ..lists }
+        match lists.more {
+            true => pb::WatchOverlapsResponse { info, snapshot, ..lists },
+            false => {
+                let resume_token = std::mem::take(&mut self.token);
+                pb::WatchOverlapsResponse { info, snapshot, merged_ticks, resume_token, ..lists }
+            }
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
-use super::{Server, describe_world, edit, edit_stream, later, list_shapes, update_world, watch_overlaps};
+use super::{Server, describe_world, edit, edit_stream, later, list_shapes, update_world, watch_overlaps, watch_world};
 
 /// `WorldService`.
 #[derive(Clone, Debug)]
@@ -64,9 +64,9 @@ impl pb::world_service_server::WorldService for Worlds {
 
     async fn watch_world(
         &self,
-        _request: Request<pb::WatchWorldRequest>,
+        request: Request<pb::WatchWorldRequest>,
     ) -> Result<Response<Self::WatchWorldStream>, Status> {
-        Err(later::WATCH_WORLD.into())
+        watch_world::open(&self.0, request)
     }
 
     type ExportWorldStream = super::Answers<pb::ExportWorldResponse>;

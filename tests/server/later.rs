@@ -18,7 +18,6 @@ macro_rules! refused {
 async fn calls_of_later_versions_say_what_to_use_meanwhile() {
     let mut bench = Bench::start().await;
     refused! { bench,
-        worlds.watch_world(pb::WatchWorldRequest::default()) says "WatchWorld", "ListShapes";
         worlds.export_world(pb::ExportWorldRequest::default()) says "ExportWorld", "ListShapes";
         worlds.import_world(tokio_stream::once(pb::ImportWorldRequest::default())) says "ImportWorld", "EditStream";
     }

@@ -31,3 +31,4 @@ mod tokens;
 mod uploads;
 mod versions;
 mod watch_overlaps;
+mod watch_world;

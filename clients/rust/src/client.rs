@@ -261,6 +261,18 @@ impl Client {
         Ok(self.world().watch_overlaps(Request::new(request)).await?.into_inner())
     }
 
+    /// What a viewer draws: first all shapes, then what changes, merged to the rate that is asked, until the stream is dropped.
+    /// The client's deadline does not hold for it.
+    pub async fn watch_world(
+        &self,
+        mut request: proto::WatchWorldRequest,
+    ) -> Result<Streaming<proto::WatchWorldResponse>, Error> {
+        if request.session.is_empty() {
+            request.session.clone_from(&self.session);
+        }
+        Ok(self.world().watch_world(Request::new(request)).await?.into_inner())
+    }
+
     /// Registers a geometry that fits into one message, and says its id. Repeating it returns the same id.
     pub async fn register(&self, geometry: proto::Geometry) -> Result<proto::GeometryInfo, Error> {
         let request =

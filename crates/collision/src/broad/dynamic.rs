@@ -22,6 +22,7 @@ mod tend;
 use super::{
     build::Item,
     forest::{Forest, Large, Rooted},
+    levels::{NodeBox, node_boxes},
     local::LocalBox,
     node::{LANES, NO_NODE, Node, Target},
 };
@@ -255,6 +256,13 @@ impl DynamicTree {
         let mut deepest = 0;
         self.walk(|_, level| deepest = deepest.max(level));
         deepest
+    }
+
+    /// The boxes of its nodes and leaves down to a level, level by level, at most so many; for those who draw them. The
+    /// boxes of all are level 0, one for each part of the world that has an origin of its own.
+    #[must_use]
+    pub fn node_boxes(&self, level_max: u32, count_max: usize) -> Vec<NodeBox> {
+        node_boxes(self, level_max, count_max)
     }
 
     /// Its cost by the surface-area heuristic, m²: the half areas of all boxes in all nodes. Costs a pass over all nodes.

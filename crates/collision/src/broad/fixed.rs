@@ -3,6 +3,7 @@
 use super::{
     build::{Built, build},
     forest::{Forest, Large, Rooted},
+    levels::{NodeBox, node_boxes},
     node::Node,
     traverse::ALL_LAYERS,
 };
@@ -78,6 +79,13 @@ impl StaticTree {
     #[must_use]
     pub fn depth(&self) -> u32 {
         self.depth
+    }
+
+    /// The boxes of its nodes and leaves down to a level, level by level, at most so many; for those who draw them. The
+    /// boxes of all are level 0, one for each part of the world that has an origin of its own.
+    #[must_use]
+    pub fn node_boxes(&self, level_max: u32, count_max: usize) -> Vec<NodeBox> {
+        node_boxes(self, level_max, count_max)
     }
 
     /// Its cost by the surface-area heuristic, m²: the half areas of all boxes in all nodes. Compares with

@@ -8,6 +8,7 @@ mod build;
 mod dynamic;
 mod fixed;
 mod forest;
+mod levels;
 mod local;
 mod node;
 mod open;
@@ -18,5 +19,6 @@ mod wide;
 
 pub use dynamic::{DynamicTree, Refit};
 pub use fixed::StaticTree;
+pub use levels::NodeBox;
 pub use path::{Line, Path};
 pub use traverse::{ALL_LAYERS, Toll, Tree, distance_at_least};

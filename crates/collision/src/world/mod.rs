@@ -29,6 +29,7 @@ mod state;
 mod store;
 mod sweeps;
 mod tracks;
+mod view;
 mod watch;
 
 pub use character::{MoveCharacter, MovedCharacter};
@@ -49,4 +50,5 @@ pub use settings::{Means, Settings};
 pub use snapshot::{Mobility, Shape, ShapeId, Snapshot, Tick, Time};
 pub use sweeps::{BULLET_HITS_MAX, SWEEP_CANDIDATES_MAX, SWEEP_HITS_MAX, SWEEP_STEPS_MAX, SweepHit, Swept};
 pub use tracks::SweepRule;
+pub use view::{View, ViewChanges};
 pub use watch::{Change, Changes, Passed, REGIONS_MAX, Region, RegionId, Watch, WatchedPairs, Watcher};

@@ -22,5 +22,6 @@ mod readers;
 mod resolve;
 mod scene;
 mod traffic;
+mod view;
 mod watch;
 mod watch_model;

@@ -1,0 +1,186 @@
+//! `WatchWorld`: the shapes that a viewer sees and how they change, at the rate that it can draw.
+//!
+//! # Method
+//! At each turn the newest version is compared with the one that was told last, however many ticks lie between them. Nothing
+//! is noted in between, so a viewer costs the writer nothing, and a slow one is told less often.
+
+use std::{
+    ops::ControlFlow,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use collision::world::{Snapshot, View};
+use tokio::{
+    sync::{OwnedSemaphorePermit, mpsc},
+    time::timeout,
+};
+use tokio_stream::wrappers::ReceiverStream;
+use tokio_util::sync::CancellationToken;
+use tonic::{Request, Response, Status};
+use wire::v1 as pb;
+
+use super::{Answers, Caller, READER_PATIENCE, Server};
+use crate::{
+    compute::{self, Weight},
+    convert::view::{self, NODES_OF_A_TREE, Shown},
+    deadline::Deadline,
+    problem::{Checked, Problem, Reason},
+    session::Session,
+    token::Role,
+};
+
+/// Messages that wait for a reader.
+const UNREAD_MESSAGES: usize = 2;
+/// How often ticks that change nothing in view are told.
+const QUIET: Duration = Duration::from_secs(1);
+
+type Sent = mpsc::Sender<Result<pb::WatchWorldResponse, Status>>;
+
+/// Begins to show a world.
+///
+/// # Errors
+/// What is wrong with the request; too many watch.
+pub(super) fn open(
+    server: &Server,
+    request: Request<pb::WatchWorldRequest>,
+) -> Result<Response<Answers<pb::WatchWorldResponse>>, Status> {
+    let caller = Caller::of(&request);
+    let sent = request.into_inner();
+    let session = server.enter(&caller, &sent.session, Role::Reader)?;
+    let (view, rate) = view::view(&sent)?;
+    let (answers, unread) = mpsc::channel(UNREAD_MESSAGES);
+    let viewer = Viewer {
+        view: Arc::new(view),
+        period: Duration::from_secs(1) / rate as u32,
+        tree_depth: sent.tree_depth,
+        stop: server.drain.clone(),
+        deadline: caller.deadline,
+        _place: session.watching()?,
+        session,
+    };
+    tokio::spawn(async move {
+        if let Err(problem) = viewer.run(&answers).await {
+            // A client that has gone needs no reason.
+            let _ = timeout(READER_PATIENCE, answers.send(Err(problem.into()))).await;
+        }
+    });
+    Ok(Response::new(Box::pin(ReceiverStream::new(unread))))
+}
+
+/// One who looks on.
+struct Viewer {
+    view: Arc<View>,
+    /// From one message to the next.
+    period: Duration,
+    /// Levels of the trees, if they are shown.
+    tree_depth: Option<u32>,
+    session: Arc<Session>,
+    /// Cancelled when the server stops.
+    stop: CancellationToken,
+    deadline: Deadline,
+    _place: OwnedSemaphorePermit,
+}
+
+/// What is told at a time.
+struct Turn {
+    shown: Shown,
+    /// Whether it is worth telling.
+    changed: bool,
+    /// The trees as they were told last.
+    nodes: Option<pb::NodeColumns>,
+}
+
+impl Viewer {
+    async fn run(&self, answers: &Sent) -> Checked<()> {
+        let _lease = self.session.lease.hold();
+        let mut ticks = self.session.ticks();
+        let mut told: Option<Arc<Snapshot>> = None;
+        let mut nodes = None;
+        let mut spoken = Instant::now();
+        let mut told_count = 0_u64;
+        loop {
+            let began = Instant::now();
+            ticks.mark_unchanged();
+            let newest = self.session.newest();
+            let turn = self.turn(told.take(), &newest, nodes.take()).await?;
+            nodes = turn.nodes;
+            if turn.changed || spoken.elapsed() >= QUIET {
+                if send(answers, turn.shown, &newest, told_count).await?.is_break() {
+                    return Ok(());
+                }
+                told_count += 1;
+                spoken = Instant::now();
+            }
+            let is_told = spoken >= began;
+            told = Some(newest);
+            let wait = async {
+                tokio::time::sleep_until((began + self.period).into()).await;
+                // What was not told for want of changes is told when the time for that has come.
+                let quiet = async {
+                    match is_told {
+                        true => std::future::pending().await,
+                        false => tokio::time::sleep_until((spoken + QUIET).into()).await,
+                    }
+                };
+                tokio::select! {
+                    // An error cannot be: the sender lives as long as the session.
+                    _ = ticks.changed() => {}
+                    () = quiet => {}
+                }
+            };
+            tokio::select! {
+                biased;
+                () = self.stop.cancelled() => {
+                    return Err(Problem::new(Reason::Stopping, "the server is stopping: watch again elsewhere, or later"));
+                }
+                () = self.session.ended.cancelled() => return Err(self.session.ended_problem()),
+                () = answers.closed() => return Ok(()),
+                () = self.deadline.passed() => return Err(Deadline::problem()),
+                () = wait => {}
+            }
+        }
+    }
+
+    /// What is to be told of a version, on another thread: a pass over what changed, at first over all shapes.
+    async fn turn(
+        &self,
+        told: Option<Arc<Snapshot>>,
+        newest: &Arc<Snapshot>,
+        nodes: Option<pb::NodeColumns>,
+    ) -> Checked<Turn> {
+        let (view, newest, tree_depth) = (self.view.clone(), newest.clone(), self.tree_depth);
+        compute::run(Weight::Heavy, "showing a world", move || {
+            let changes = match &told {
+                Some(told) => newest.view_since(told, &view),
+                None => newest.view(&view),
+            };
+            let boxes = tree_depth.map(|depth| newest.tree_boxes(depth, NODES_OF_A_TREE));
+            let found = boxes.map(|boxes| view::nodes(&boxes)).transpose()?;
+            let changed_nodes = found.clone().filter(|found| nodes.as_ref() != Some(found));
+            let changed = told.is_none() || !changes.is_empty() || changed_nodes.is_some();
+            Ok(Turn { shown: Shown::new(changes, changed_nodes), changed, nodes: found })
+        })
+        .await
+    }
+}
+
+/// Sends all messages of a turn; breaks if nobody reads any more. The first turn is the snapshot.
+///
+/// # Errors
+/// The reader takes none.
+async fn send(answers: &Sent, mut shown: Shown, newest: &Snapshot, told_count: u64) -> Checked<ControlFlow<()>> {
+    let info = Some(pb::AnswerInfo { tick: newest.tick().get(), ..pb::AnswerInfo::default() });
+    let mut snapshot = told_count == 0;
+    loop {
+        let message = pb::WatchWorldResponse { info, snapshot, ..shown.next()? };
+        snapshot = false;
+        let more = message.more;
+        match timeout(READER_PATIENCE, answers.send(Ok(message))).await {
+            Ok(Ok(())) if more => {}
+            Ok(Ok(())) => return Ok(ControlFlow::Continue(())),
+            Ok(Err(_)) => return Ok(ControlFlow::Break(())),
+            Err(_) => return Err(Problem::new(Reason::Overloaded, "the client took no message for 10 s")),
+        }
+    }
+}
