@@ -117,7 +117,7 @@ impl Terms {
     ) -> Result<Outcome, QuestionError> {
         let verdict = if a.outline.may_touch(&b.end.bounds) {
             meter.look()?;
-            narrow::overlap(a.end.placed, b.end.placed, &self.accuracy, &mut meter.work).verdict
+            narrow::overlap_of(a.end.placed, b.end.operand(), &self.accuracy, &mut meter.work).verdict
         } else {
             Verdict::Miss
         };
