@@ -38,9 +38,9 @@ impl Hull {
     /// Measured with random directions, see the module of the walk.
     pub const CLIMB_ABOVE: usize = 64;
 
-    /// From so many vertices on, simpler forms may stand in for it. Below, asking it costs no more than asking them. Measured
-    /// with `yardstick ladder`.
-    pub const STAND_INS_FROM: usize = 128;
+    /// From so many vertices on, simpler forms may stand in for it. Below, climbing to 10 % costs no less than asking the hull:
+    /// 1.0 µs and 0.9 µs with 128 vertices, 1.1 µs and 1.0 µs with 256, but 1.1 µs and 1.3 µs with 1,024.
+    pub const STAND_INS_FROM: usize = 512;
 
     /// The hull of `points`, at least one, all finite. The topology is built when a question first needs it.
     #[must_use]

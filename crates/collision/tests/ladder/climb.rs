@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use collision::{
     DQuat, DVec3,
     accuracy::{Accuracy, Tier},
-    answer::{Bound, Representation, Verdict, Work},
+    answer::{Bound, Model, Representation, Verdict, Work},
     decompose::{Options, decompose},
     math::Pose,
     narrow::{self, Placed},
@@ -14,8 +14,8 @@ use collision::{
 
 use crate::forms::{Body, Noise, bumpy, form, l_prism, pair};
 
-/// Pairs of each test: all kinds, six times.
-const PAIRS: usize = 324;
+/// Pairs of each test: all kinds, four times.
+const PAIRS: usize = 216;
 
 fn loose(max_error: f64, max_error_relative: f64) -> Accuracy {
     Accuracy { max_error, max_error_relative, ..Accuracy::default() }
@@ -68,7 +68,7 @@ fn the_distance_lies_in_the_interval_of_every_rung() {
     }
     // No mesh brings parts here.
     let [ball, oriented_box, hull, _, exact] = tally.0;
-    assert!([ball, oriented_box, hull, exact].iter().all(|&count| count > 40), "vacuous: {tally:?}");
+    assert!([ball, oriented_box, hull, exact].iter().all(|&count| count > 25), "vacuous: {tally:?}");
 }
 
 #[test]
@@ -111,8 +111,8 @@ fn no_verdict_is_contradicted() {
         assert_eq!(found.verdict, exact.verdict, "{number}: {found:?} but {exact:?}");
         assert_eq!(found, narrow::overlap(b, a, &accuracy, &mut Work::default()), "{number}");
         tallies[usize::from(found.verdict == Verdict::Hit)].add(found.model.representation);
-        if found.verdict == Verdict::Hit && found.model.representation != Representation::Exact {
-            assert!(bodies.iter().all(|body| matches!(body.geometry.form(), Form::Convex(_))), "{number}: {found:?}");
+        if found.verdict != Verdict::Miss {
+            assert_eq!(found.model, Model::EXACT, "{number}: no stand-in proves a touch");
         }
         if let (Verdict::Miss, Some(apart)) =
             (found.verdict, narrow::distance(a, b, 1e12, &Accuracy::of(Tier::Exact), &mut Work::default()))
@@ -122,7 +122,7 @@ fn no_verdict_is_contradicted() {
         }
     }
     let [miss, hit] = tallies;
-    assert!(miss.0[1] > 100 && miss.0[2] > 5 && hit.0[2] > 2, "vacuous: {miss:?} and {hit:?}");
+    assert!(miss.0[1] > 60 && miss.0[2] > 1 && hit.0[4] > 10, "vacuous: {miss:?} and {hit:?}");
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn the_depth_lies_in_the_interval_of_the_rung() {
             tally.add(found.certificate.model.representation);
         }
     }
-    assert!(tally.0[2] > 50 && tally.0[4] > 50, "vacuous: {tally:?}");
+    assert!(tally.0[2] > 30 && tally.0[4] > 30, "vacuous: {tally:?}");
 }
 
 #[test]

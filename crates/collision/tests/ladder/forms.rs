@@ -58,7 +58,7 @@ impl Body {
 /// A large hull, about `scale` metres in size.
 pub(crate) fn large_hull(noise: &mut Noise, scale: f64) -> Geometry {
     let (axes, off) = (noise.vector().abs() + 0.2, noise.vector());
-    let points: Vec<DVec3> = (0..150).map(|_| (noise.unit() * axes + off) * scale).collect();
+    let points: Vec<DVec3> = (0..520).map(|_| (noise.unit() * axes + off) * scale).collect();
     Geometry::hull(&points).expect("a hull")
 }
 

@@ -1,19 +1,19 @@
-//! First touches told by stand-ins hold the truth.
+//! Ways that stand-ins prove to be free are free.
 
 use collision::{
     DVec3,
     accuracy::{Accuracy, Tier},
-    answer::{Representation, Verdict, Work},
+    answer::{Verdict, Work},
     narrow::{self, InitialTouch, Motion},
 };
 
 use crate::forms::{Noise, pair};
 
 #[test]
-fn the_first_touch_lies_in_the_interval() {
+fn a_way_that_is_proved_free_is_free() {
     let mut noise = Noise(31);
-    let (mut free, mut from_hulls) = (0, 0);
-    for number in 0..324 {
+    let (mut free, mut touched, mut spared) = (0, 0, 0);
+    for number in 0..216 {
         let bodies = pair(&mut noise, number);
         let [a, b] = [bodies[0].placed(), bodies[1].placed()];
         let size = a.geometry.reach().max(b.geometry.reach());
@@ -24,18 +24,20 @@ fn the_first_touch_lies_in_the_interval() {
         let exact = narrow::impact(a, b, &motion, &Accuracy::of(Tier::Exact), &mut Work::default());
         for max_error in [size, 0.1 * size] {
             let accuracy = Accuracy { max_error, max_error_relative: 0.0, ..Accuracy::of(Tier::Standard) };
-            match (narrow::impact(a, b, &motion, &accuracy, &mut Work::default()), exact) {
+            let mut work = Work::default();
+            let found = narrow::impact(a, b, &motion, &accuracy, &mut work);
+            spared += usize::from(found.is_none() && work.pairs_tested <= 2 && work.nodes_visited == 0);
+            match (found, exact) {
                 (None, None) => free += 1,
                 (Some(found), Some(exact)) => {
                     let (bound, truth) = (found.certificate.bound, exact.certificate.bound);
                     assert!(bound.lower <= truth.upper && truth.lower <= bound.upper, "{number}: {found:?} {exact:?}");
-                    let is_hull = found.certificate.model.representation == Representation::SimplifiedHull;
-                    from_hulls += usize::from(is_hull);
+                    touched += 1;
                 }
                 (Some(found), None) => assert_ne!(found.certificate.verdict, Verdict::Hit, "{number}: {found:?}"),
                 (None, Some(exact)) => assert_ne!(exact.certificate.verdict, Verdict::Hit, "{number}: {exact:?}"),
             }
         }
     }
-    assert!(free > 50 && from_hulls > 10, "vacuous: {free} and {from_hulls}");
+    assert!(free > 30 && touched > 30 && spared > 10, "vacuous: {free}, {touched} and {spared}");
 }

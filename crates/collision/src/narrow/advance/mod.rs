@@ -97,7 +97,7 @@ impl Width {
     }
 
     /// For a touch at a time.
-    pub(super) fn at(&self, time: f64) -> f64 {
+    fn at(&self, time: f64) -> f64 {
         self.of_motion.max(self.of_time * time)
     }
 }

@@ -1,6 +1,6 @@
 //! How far apart two geometries are, told by what stands in for them.
 
-use super::{ByParts, Climb, Stage, farthest, is_tried, is_worth_trying};
+use super::{ByParts, Climb, Stage, farthest, farthest_by_balls, is_tried, is_worth_trying};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Model, Representation, Stop, Verdict, Work},
@@ -23,8 +23,12 @@ pub(in crate::narrow) fn distance(
     if !is_tried(a, b, accuracy) || !is_worth_trying(a, b, allowed(farthest)) {
         return Climb::ToTheTop;
     }
+    let [gap, by_balls] = farthest_by_balls(a, b);
+    farthest = farthest.min(by_balls);
     for rung in RUNGS {
-        let Some(found) = told_by(rung, [a, b], limit, allowed(farthest), accuracy, work) else { continue };
+        // What is surely too wide need not be asked; of the balls it is known already how far apart they are.
+        let spare = allowed(if rung == Representation::Ball { gap } else { farthest });
+        let Some(found) = told_by(rung, [a, b], limit, spare, accuracy, work) else { continue };
         let Some(found) = found else { return Climb::Answered(None) };
         let Certificate { verdict, bound, .. } = found.certificate;
         let is_narrow = bound.width() <= accuracy.max_error

@@ -1,23 +1,25 @@
-//! When two geometries in motion touch first, told by what stands in for them.
+//! Whether the way of two geometries in motion is free, told by what stands in for them.
 //!
 //! # Method
-//! Stand-ins grown by what may lie outside of them hold the geometries all the way: they touch no later, and where they never
-//! touch, nor do the geometries. Stand-ins that are parts of the geometries touch no earlier. Lengths never widen times: a
-//! graze is early or late by any time.
+//! Stand-ins grown by what may lie outside of them hold the geometries all the way: where they never touch, nor do the geometries.
+//! Lengths never widen times, as a graze is early or late by any time: what may touch is asked of the geometries.
+//!
+//! # Limits
+//! Only where one side is concave. Between stand-ins that hold two convex forms and others that are parts of them lies the time
+//! of their touch, but asking both took two to four times as long as asking the forms, measured with hulls of 64 to 1,024 vertices.
 
 use std::borrow::Cow;
 
-use super::{Climb, Side, Stage, is_tried};
+use super::{Climb, Side, Stage, is_convex, is_tried};
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Representation, Stop, Verdict, Work},
-    math::Norm,
-    narrow::{ImpactTouch, InitialTouch, Motion, Placed, advance::Width, convex},
+    answer::{Representation, Work},
+    narrow::{ImpactTouch, InitialTouch, Motion, Placed, convex},
 };
 
 const RUNGS: [Representation; 2] = [Representation::OrientedBox, Representation::SimplifiedHull];
 
-/// As [`crate::narrow::impact`], if a rung is good enough.
+/// As [`crate::narrow::impact`], if a rung proves that the way is free.
 pub(in crate::narrow) fn impact(
     a: &Placed<'_>,
     b: &Placed<'_>,
@@ -25,29 +27,14 @@ pub(in crate::narrow) fn impact(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Climb<Option<ImpactTouch>> {
-    if !is_tried(a, b, accuracy) {
+    if !is_tried(a, b, accuracy) || is_convex(a) && is_convex(b) {
         return Climb::ToTheTop;
     }
     // What touches at the start and is ignored may be the stand-in alone: a proof that the way is free ignores nothing.
     let counted = Motion { initial: InitialTouch::Counts, ..*motion };
-    let turns = motion.rotation_a.norm() * a.geometry.reach() + motion.rotation_b.norm() * b.geometry.reach();
-    let way = (motion.displacement_a - motion.displacement_b).norm() + turns;
     for stage in RUNGS.into_iter().filter_map(|rung| Stage::on(a, b, rung)) {
-        let Some(first) = stage.grown().first_touch(&counted, accuracy, work) else {
+        if stage.grown().first_touch(&counted, accuracy, work).is_none() {
             return Climb::Answered(None);
-        };
-        let is_part = stage.are_convex && stage.model.inside == 0.0;
-        // Grown ones touch earlier by as long as it takes to go so far, at least.
-        let fits = stage.model.outside <= accuracy.max_error.max(accuracy.max_error_relative * way);
-        if !is_part || !fits || first.initial || motion.initial != InitialTouch::Counts {
-            continue;
-        }
-        let Some(last) = stage.first_touch(&counted, accuracy, work) else { continue };
-        let bound = Bound::new(first.certificate.bound.lower, last.certificate.bound.upper);
-        let is_narrow = bound.width() <= Width::of(accuracy, way).at(bound.lower);
-        if is_narrow && last.certificate.verdict == Verdict::Hit && !last.initial {
-            let certificate = Certificate { bound, stop: Stop::Tolerance, ..stage.certificate(last.certificate) };
-            return Climb::Answered(Some(ImpactTouch { certificate, ..last }));
         }
     }
     Climb::ToTheTop

@@ -8,11 +8,12 @@
 //! | value | interval | proof |
 //! |---|---|---|
 //! | distance | `[d − Σout, d + Σin]`, the upper side where `d > 0` or both forms are convex | |
-//! | overlap | | `Miss` if `d > Σout`; `Hit` if both are convex and overlap deeper than `Σin` |
+//! | overlap, one form concave | | `Miss` if `d > Σout` |
 //! | depth of convex forms | `[D − Σin, D + Σout]` | |
-//! | first touch | lower of the stand-ins grown by `out`, upper of those that are parts of the geometries | none without |
+//! | first touch, one form concave | | none if stand-ins grown by `out` never touch |
 //!
-//! A concave geometry may have hollows, so what overlaps its stand-in may not touch it: there `Σin` never proves a `Hit`.
+//! A concave geometry may have hollows, so what overlaps its stand-in may not touch it: nothing here proves a
+//! `Hit`. Convex forms tell whether they touch sooner than their stand-ins do.
 //!
 //! # Limits
 //! Only a question that names an error may be answered so: see [`Accuracy::may_stand_in`]. Which rung answers follows from the
@@ -24,6 +25,8 @@ mod impact;
 mod overlap;
 
 use std::borrow::Cow;
+
+use glam::DVec3;
 
 pub use self::distance::distance_on;
 pub(super) use self::{
@@ -196,9 +199,21 @@ fn is_worth_trying(a: &Placed<'_>, b: &Placed<'_>, allowed: f64) -> bool {
     allowed >= of_ladder(a).max(of_ladder(b)) * WORTH_TRYING
 }
 
-/// The two are no farther apart than this, nor deeper in each other, to within rounding.
+/// The two are no farther apart than this, nor deeper in each other, to within rounding. Tells what is not worth asking, proves
+/// nothing.
 fn farthest(a: &Placed<'_>, b: &Placed<'_>) -> f64 {
     (a.pose.position - b.pose.position).norm() + a.geometry.reach() + b.geometry.reach()
+}
+
+/// The same as the balls tell it, and how far apart these are; both 0 if they overlap.
+fn farthest_by_balls(a: &Placed<'_>, b: &Placed<'_>) -> [f64; 2] {
+    let [one, other] = [a, b].map(|placed| match placed.geometry.stand_in(Representation::Ball) {
+        Some(ball) => (placed.pose.matrix() * ball.center(), ball.convex(0.0).radius, ball.inside()),
+        None => (DVec3::ZERO, placed.geometry.reach(), 2.0 * placed.geometry.reach()),
+    });
+    let way = (a.pose.position - b.pose.position) + (one.0 - other.0);
+    let gap = way.norm() - one.1 - other.1;
+    if gap > 0.0 { [gap, gap + one.2 + other.2] } else { [0.0, f64::INFINITY] }
 }
 
 fn is_convex(placed: &Placed<'_>) -> bool {
