@@ -9,14 +9,14 @@ use std::sync::Arc;
 
 use collision::world::{Edit, EditRule, Swept};
 use prost::Message;
-use tokio::{sync::mpsc, time::timeout};
-use tokio_stream::wrappers::ReceiverStream;
+use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
 use tonic::{Request, Status, Streaming};
 use wire::v1 as pb;
 
 use super::{
     Answers, Caller, READER_PATIENCE, Server,
+    answers::{Unread, stream},
     edit::{check_durability, when},
 };
 use crate::{
@@ -43,30 +43,20 @@ const NAME_BYTES: usize = 128;
 /// Acknowledgements that wait for a reader.
 const UNREAD_ANSWERS: usize = 64;
 
-type Answer = Result<pb::EditStreamResponse, Status>;
-
 /// Answers a stream; what goes wrong ends it.
 pub(super) fn open(
     server: Arc<Server>,
     request: Request<Streaming<pb::EditStreamRequest>>,
 ) -> Answers<pb::EditStreamResponse> {
     let caller = Caller::of(&request);
-    let (answers, unread) = mpsc::channel(UNREAD_ANSWERS);
-    tokio::spawn(async move {
-        let ended = run(&server, &caller, request.into_inner(), &answers).await;
-        if let Err(status) = ended {
-            // A client that has gone needs no reason.
-            let _ = timeout(READER_PATIENCE, answers.send(Err(status))).await;
-        }
-    });
-    Box::pin(ReceiverStream::new(unread))
+    stream(UNREAD_ANSWERS, |answers| async move { run(&server, &caller, request.into_inner(), &answers).await })
 }
 
 async fn run(
     server: &Server,
     caller: &Caller,
     mut messages: Streaming<pb::EditStreamRequest>,
-    answers: &mpsc::Sender<Answer>,
+    answers: &Unread<pb::EditStreamResponse>,
 ) -> Result<(), Status> {
     let first = tokio::select! {
         first = messages.message() => first.map_err(the_api_says)?,
@@ -167,7 +157,11 @@ impl Stream {
     }
 
     /// Takes one message in, and acknowledges it if it is a commit.
-    async fn take(&mut self, message: pb::EditStreamRequest, answers: &mpsc::Sender<Answer>) -> Result<(), Status> {
+    async fn take(
+        &mut self,
+        message: pb::EditStreamRequest,
+        answers: &Unread<pb::EditStreamResponse>,
+    ) -> Result<(), Status> {
         let sequence = message.sequence;
         if sequence == 0 {
             let what = "is 0: messages are numbered 1, 2, 3, … by their writer; only a first message without edits may \
@@ -311,7 +305,7 @@ fn not_before_the_newest(when: When, sequence: u64, writer: &Writer, pending: &m
     }
 }
 
-async fn send(answers: &mpsc::Sender<Answer>, answer: pb::EditStreamResponse) -> Result<(), Status> {
+async fn send(answers: &Unread<pb::EditStreamResponse>, answer: pb::EditStreamResponse) -> Result<(), Status> {
     match timeout(READER_PATIENCE, answers.send(Ok(answer))).await {
         Ok(Ok(())) => Ok(()),
         Ok(Err(_)) => Err(Status::cancelled("the client has gone")),

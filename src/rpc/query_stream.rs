@@ -7,14 +7,17 @@
 
 use std::sync::Arc;
 
-use tokio::{sync::mpsc, time::timeout};
-use tokio_stream::wrappers::ReceiverStream;
+use tokio::time::timeout;
 use tonic::{Request, Status, Streaming};
 use wire::v1::{self as pb, query_stream_request::Request as Asked, query_stream_response::Response as Answered};
 
 use super::{
-    Answers, Caller, READER_PATIENCE, Server, batch, distance_batch, fitting, overlap_batch, question, raycast_batch,
-    scene::Scene, time_of_impact_batch, turns::Turns,
+    Answers, Caller, READER_PATIENCE, Server,
+    answers::{Unread, stream},
+    batch, distance_batch, fitting, overlap_batch, question, raycast_batch,
+    scene::Scene,
+    time_of_impact_batch,
+    turns::Turns,
 };
 use crate::{
     fence::fenced_async,
@@ -31,22 +34,14 @@ pub(super) fn open(
     request: Request<Streaming<pb::QueryStreamRequest>>,
 ) -> Answers<pb::QueryStreamResponse> {
     let caller = Caller::of(&request);
-    let (answers, unread) = mpsc::channel(UNREAD_ANSWERS);
-    tokio::spawn(async move {
-        let ended = run(&server, &caller, request.into_inner(), &answers).await;
-        if let Err(status) = ended {
-            // A client that has gone needs no reason.
-            let _ = timeout(READER_PATIENCE, answers.send(Err(status))).await;
-        }
-    });
-    Box::pin(ReceiverStream::new(unread))
+    stream(UNREAD_ANSWERS, |answers| async move { run(&server, &caller, request.into_inner(), &answers).await })
 }
 
 async fn run(
     server: &Server,
     caller: &Caller,
     mut messages: Streaming<pb::QueryStreamRequest>,
-    answers: &mpsc::Sender<Result<pb::QueryStreamResponse, Status>>,
+    answers: &Unread<pb::QueryStreamResponse>,
 ) -> Result<(), Status> {
     let mut turns = Turns::new(caller.deadline);
     loop {

@@ -13,13 +13,15 @@ use std::{
 
 use collision::world::{Changes, Meter, Moment, PAIRS_MAX, Passed, QuestionError, Snapshot, Tick, Watcher};
 use prost::Message;
-use tokio::sync::{OwnedSemaphorePermit, broadcast, mpsc};
-use tokio_stream::wrappers::ReceiverStream;
+use tokio::sync::{OwnedSemaphorePermit, broadcast};
 use tokio_util::sync::CancellationToken;
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
 
-use super::{Answers, Caller, READER_PATIENCE, Server};
+use super::{
+    Answers, Caller, READER_PATIENCE, Server,
+    answers::{Unread, stream},
+};
 use crate::{
     compute::{self, Weight},
     convert::{
@@ -41,7 +43,7 @@ const QUIET: Duration = Duration::from_secs(1);
 /// In worlds of more shapes a step is made on another thread: a shape that moved costs about a microsecond.
 const STEPPED_AT_ONCE: usize = 500;
 
-type Sent = mpsc::Sender<Result<pb::WatchOverlapsResponse, Status>>;
+type Sent = Unread<pb::WatchOverlapsResponse>;
 
 /// Begins to watch.
 ///
@@ -66,18 +68,13 @@ pub(super) async fn open(
     let weight = Weight::of_message(sent.encoded_len());
     let watch = compute::run(weight, "reading what to watch", move || watch(&sent, &known.geometries)).await?;
     let (versions, place) = (session.versions(), session.watching()?);
-    let (answers, unread) = mpsc::channel(UNREAD_MESSAGES);
     let stop = server.drain.clone();
-    tokio::spawn(async move {
+    let answers = stream(UNREAD_MESSAGES, |answers| async move {
         let watcher = Some(Watcher::new(watch));
         let watching = Watching { watcher, session, stop, deadline: caller.deadline, answers, _place: place };
-        let answers = watching.answers.clone();
-        if let Err(problem) = watching.run(versions, begin, &fingerprint).await {
-            // A client that has gone needs no reason.
-            let _ = tokio::time::timeout(READER_PATIENCE, answers.send(Err(problem.into()))).await;
-        }
+        Ok(watching.run(versions, begin, &fingerprint).await?)
     });
-    Ok(Response::new(Box::pin(ReceiverStream::new(unread))))
+    Ok(Response::new(answers))
 }
 
 /// What the first message is.

@@ -11,16 +11,15 @@ use std::{
 };
 
 use collision::world::{Snapshot, View};
-use tokio::{
-    sync::{OwnedSemaphorePermit, mpsc},
-    time::timeout,
-};
-use tokio_stream::wrappers::ReceiverStream;
+use tokio::{sync::OwnedSemaphorePermit, time::timeout};
 use tokio_util::sync::CancellationToken;
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
 
-use super::{Answers, Caller, READER_PATIENCE, Server};
+use super::{
+    Answers, Caller, READER_PATIENCE, Server,
+    answers::{Unread, stream},
+};
 use crate::{
     compute::{self, Weight},
     convert::view::{self, NODES_OF_A_TREE, Shown},
@@ -35,7 +34,7 @@ const UNREAD_MESSAGES: usize = 2;
 /// How often ticks that change nothing in view are told.
 const QUIET: Duration = Duration::from_secs(1);
 
-type Sent = mpsc::Sender<Result<pb::WatchWorldResponse, Status>>;
+type Sent = Unread<pb::WatchWorldResponse>;
 
 /// Begins to show a world.
 ///
@@ -49,7 +48,6 @@ pub(super) fn open(
     let sent = request.into_inner();
     let session = server.enter(&caller, &sent.session, Role::Reader)?;
     let (view, rate) = view::view(&sent)?;
-    let (answers, unread) = mpsc::channel(UNREAD_MESSAGES);
     let viewer = Viewer {
         view: Arc::new(view),
         period: Duration::from_secs(1) / rate as u32,
@@ -59,13 +57,8 @@ pub(super) fn open(
         _place: session.watching()?,
         session,
     };
-    tokio::spawn(async move {
-        if let Err(problem) = viewer.run(&answers).await {
-            // A client that has gone needs no reason.
-            let _ = timeout(READER_PATIENCE, answers.send(Err(problem.into()))).await;
-        }
-    });
-    Ok(Response::new(Box::pin(ReceiverStream::new(unread))))
+    let answers = stream(UNREAD_MESSAGES, |answers| async move { Ok(viewer.run(&answers).await?) });
+    Ok(Response::new(answers))
 }
 
 /// One who looks on.

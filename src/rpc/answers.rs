@@ -1,0 +1,27 @@
+//! The answers of a call that streams: they wait in a short queue for their reader, and what ends the call comes last.
+
+use tokio::{sync::mpsc, time::timeout};
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::Status;
+
+use super::{Answers, READER_PATIENCE};
+
+/// Where the work of a call puts its answers.
+pub(super) type Unread<T> = mpsc::Sender<Result<T, Status>>;
+
+/// Begins the work of a call, which may be ahead of its reader by so many answers. What it fails with is told to the reader.
+pub(super) fn stream<T, W>(most_unread: usize, work: impl FnOnce(Unread<T>) -> W) -> Answers<T>
+where
+    T: Send + 'static,
+    W: Future<Output = Result<(), Status>> + Send + 'static,
+{
+    let (answers, unread) = mpsc::channel(most_unread);
+    let work = work(answers.clone());
+    tokio::spawn(async move {
+        if let Err(status) = work.await {
+            // A client that has gone needs no reason.
+            let _ = timeout(READER_PATIENCE, answers.send(Err(status))).await;
+        }
+    });
+    Box::pin(ReceiverStream::new(unread))
+}
