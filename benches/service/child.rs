@@ -1,11 +1,13 @@
 //! Servers as processes of their own, so that their processor time can be told from the client's.
 
 use std::io::{BufRead, BufReader, Write, stdin, stdout};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use calipers::{config::Settings, serve};
 use calipers_client::Client;
+use rustix::time::{ClockId, clock_gettime};
 use tokio_stream::wrappers::TcpListenerStream;
 use wire::v1::query_service_server::QueryServiceServer;
 
@@ -34,7 +36,15 @@ impl Kind {
 #[derive(Debug)]
 pub(crate) struct Server {
     child: Child,
+    pipes: Mutex<Pipes>,
     address: String,
+}
+
+/// A line to the child asks for its processor time, a line from it tells it.
+#[derive(Debug)]
+struct Pipes {
+    questions: Option<ChildStdin>,
+    answers: BufReader<ChildStdout>,
 }
 
 impl Server {
@@ -42,10 +52,12 @@ impl Server {
     pub(crate) fn start(kind: Kind) -> Result<Self, Failure> {
         let mut command = Command::new(std::env::current_exe()?);
         let mut child = command.arg(kind.flag()).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+        let questions = child.stdin.take();
+        let mut answers = BufReader::new(child.stdout.take().ok_or("the child has no output")?);
         let mut address = String::new();
-        let out = child.stdout.take().ok_or("the child has no output")?;
-        BufReader::new(out).read_line(&mut address)?;
-        Ok(Self { child, address: address.trim().to_owned() })
+        answers.read_line(&mut address)?;
+        let pipes = Mutex::new(Pipes { questions, answers });
+        Ok(Self { child, pipes, address: address.trim().to_owned() })
     }
 
     /// A client of it.
@@ -53,28 +65,27 @@ impl Server {
         Ok(Client::connect(&self.address).await?)
     }
 
-    /// Processor time that it has taken, of all its threads.
+    /// Processor time that it has taken, of all its threads, those that have ended included.
     pub(crate) fn cpu(&self) -> Result<Duration, Failure> {
-        let mut nanoseconds = 0;
-        for task in std::fs::read_dir(format!("/proc/{}/task", self.child.id()))? {
-            let line = std::fs::read_to_string(task?.path().join("schedstat"))?;
-            nanoseconds += line.split(' ').next().unwrap_or("0").parse::<u64>()?;
-        }
-        Ok(Duration::from_nanos(nanoseconds))
+        let mut pipes = self.pipes.lock().unwrap_or_else(PoisonError::into_inner);
+        writeln!(pipes.questions.as_mut().ok_or("the child has no input")?)?;
+        let mut nanoseconds = String::new();
+        pipes.answers.read_line(&mut nanoseconds)?;
+        Ok(Duration::from_nanos(nanoseconds.trim().parse()?))
     }
 }
 
 impl Drop for Server {
     fn drop(&mut self) {
         // The child ends when its input does; one that hangs is not worth an error here.
-        drop(self.child.stdin.take());
+        self.pipes.get_mut().unwrap_or_else(PoisonError::into_inner).questions = None;
         let _ = self.child.wait();
     }
 }
 
 /// What a child does: it serves until its input ends.
 pub(crate) async fn serve(kind: Kind) -> Result<(), Failure> {
-    let ended = tokio::task::spawn_blocking(|| stdin().lock().lines().count());
+    let ended = tokio::task::spawn_blocking(|| stdin().lock().lines().try_for_each(|_| tell_cpu()));
     match kind {
         Kind::Echo => {
             let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await?;
@@ -103,8 +114,13 @@ pub(crate) async fn serve(kind: Kind) -> Result<(), Failure> {
     Ok(())
 }
 
-fn say(address: &str) -> Result<(), Failure> {
+fn tell_cpu() -> Result<(), Failure> {
+    let taken = clock_gettime(ClockId::ProcessCPUTime);
+    say(&(i128::from(taken.tv_sec) * 1_000_000_000 + i128::from(taken.tv_nsec)).to_string())
+}
+
+fn say(line: &str) -> Result<(), Failure> {
     let mut out = stdout();
-    writeln!(out, "{address}")?;
+    writeln!(out, "{line}")?;
     Ok(out.flush()?)
 }

@@ -11,7 +11,7 @@ use collision::{
     math::Pose,
     narrow::{Faces, Ray},
     shape::Geometry,
-    world::{Edit, EditRule, Filter, HitMode, Meter, Raycast, Shape, ShapeId, Time, World},
+    world::{Edit, EditRule, Filter, HitMode, Meter, Raycast, Shape, ShapeId, Snapshot, Time, World},
 };
 
 use crate::Failure;
@@ -102,43 +102,56 @@ impl Scene {
         (0..count).map(|_| ray()).collect()
     }
 
-    /// What a ray costs without a server, and the share that hits.
-    pub(crate) fn library_ray(&self, rays: &[proto::RaycastRequest]) -> Result<(Duration, f64), Failure> {
+    /// The same world without a server, with these rays to ask.
+    pub(crate) fn library(&self, rays: &[proto::RaycastRequest]) -> Result<Library, Failure> {
         let mut world = World::new(Time(0));
-        let inserts = self.items.iter().map(|item| Edit::Insert(item.shape())).collect();
-        world.apply(inserts, Time(0), EditRule::AllOrNothing)?;
-        let world = world.newest();
+        // By the messages that fill the server's, so that both have the same tree.
+        for items in self.items.chunks(MESSAGE) {
+            let inserts = items.iter().map(|item| Edit::Insert(item.shape())).collect();
+            world.apply(inserts, Time(0), EditRule::AllOrNothing)?;
+        }
         let vector = |sent: Option<proto::Vec3>| {
             let sent = sent.unwrap_or_default();
             DVec3::new(sent.x, sent.y, sent.z)
         };
-        let questions: Vec<Raycast> = rays
-            .iter()
-            .map(|ray| Raycast {
-                ray: Ray {
-                    origin: vector(ray.origin),
-                    direction: vector(ray.direction),
-                    min_distance: 0.0,
-                    max_distance: RAY_LENGTH,
-                    hollow: false,
-                    faces: Faces::Both,
-                },
-                mode: HitMode::Closest,
-            })
-            .collect();
+        let ray = |ray: &proto::RaycastRequest| Raycast {
+            ray: Ray {
+                origin: vector(ray.origin),
+                direction: vector(ray.direction),
+                min_distance: 0.0,
+                max_distance: RAY_LENGTH,
+                hollow: false,
+                faces: Faces::Both,
+            },
+            mode: HitMode::Closest,
+        };
+        Ok(Library { world: world.newest(), questions: rays.iter().map(ray).collect() })
+    }
+}
+
+/// What is asked, in this process.
+#[derive(Debug)]
+pub(crate) struct Library {
+    world: Arc<Snapshot>,
+    questions: Vec<Raycast>,
+}
+
+impl Library {
+    /// Asks all rays some times; returns what one costs at best, and the share that hits.
+    pub(crate) fn ray(&self) -> Result<(Duration, f64), Failure> {
         let mut keep_going = || true;
         let (mut best, mut hits) = (Duration::MAX, 0);
         for _ in 0..5 {
             hits = 0;
             let began = thread_cpu()?;
-            for question in &questions {
+            for question in &self.questions {
                 let meter = &mut Meter::new(&mut keep_going);
-                let found = world.raycast(question, &Filter::default(), &Accuracy::default(), meter)?;
+                let found = self.world.raycast(question, &Filter::default(), &Accuracy::default(), meter)?;
                 hits += usize::from(!found.hits.is_empty());
             }
             best = best.min(thread_cpu()? - began);
         }
-        let count = u32::try_from(questions.len())?;
+        let count = u32::try_from(self.questions.len())?;
         Ok((best / count, hits as f64 / f64::from(count)))
     }
 }

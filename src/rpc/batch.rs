@@ -27,7 +27,7 @@ pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb
         pb::AnswerInfo { tick: scene.snapshot.tick().get(), tick_fraction: scene.snapshot.fraction(), work: None };
     let scene = Scene { shared, naming: Naming::Nothing, ..scene.clone() };
     let mut answers = Vec::with_capacity(sent.questions.len());
-    let mut turns = Turns::new(scene.deadline);
+    let mut turns = Turns::at_work(scene.deadline);
     for (index, question) in sent.questions.iter().enumerate() {
         turns.next().await?;
         answers.push(answer_one(question, &scene, index));

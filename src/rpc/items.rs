@@ -29,7 +29,7 @@ impl<'a> Items<'a> {
     /// What is wrong with its options.
     pub(super) fn of(sent: &impl Asking, scene: &'a Scene) -> Checked<Self> {
         let terms = scene.shared.overridden_by(sent.options())?;
-        Ok(Self { scene, terms, turns: Turns::new(scene.deadline), work: Work::default() })
+        Ok(Self { scene, terms, turns: Turns::at_work(scene.deadline), work: Work::default() })
     }
 
     /// Asks about item `index`, for one that does not see the shape `ignored`; before that, others get their turn if it is time.

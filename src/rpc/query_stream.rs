@@ -43,17 +43,19 @@ async fn run(
     mut messages: Streaming<pb::QueryStreamRequest>,
     answers: &Unread<pb::QueryStreamResponse>,
 ) -> Result<(), Status> {
-    let mut turns = Turns::new(caller.deadline);
+    let mut turns = Turns::of_stream(caller.deadline);
     loop {
+        // Messages first, as asking what else may end the call costs a lock each; a stream that never pauses is asked below.
         let message = tokio::select! {
             biased;
-            () = server.drain.cancelled() => {
-                let what = "the server is stopping: ask again elsewhere, or later, what was not answered";
-                return Err(Problem::new(Reason::Stopping, what).into());
-            }
-            () = answers.closed() => return Ok(()),
             message = messages.message() => message.map_err(the_api_says)?,
+            () = answers.closed() => return Ok(()),
+            () = server.drain.cancelled() => None,
         };
+        if server.drain.is_cancelled() {
+            let what = "the server is stopping: ask again elsewhere, or later, what was not answered";
+            return Err(Problem::new(Reason::Stopping, what).into());
+        }
         let Some(message) = message else { return Ok(()) };
         turns.next().await?;
         let answer = answer(server, caller, message).await;
