@@ -172,6 +172,7 @@ fn ray_hit(hit: &RayHit) -> Checked<pb::RayHit> {
         user_data: hit.user_data,
         certificate: Some(certificate(&touch.certificate)?),
         barycentric: touch.barycentric.map(vec3_out).transpose()?,
+        pierced: hit.pierced,
     })
 }
 
@@ -208,6 +209,7 @@ pub(super) fn impact(impact: &Impact) -> Checked<pb::Impact> {
         feature: feature(touch.feature_b),
         user_data: impact.user_data,
         certificate: Some(certificate(&touch.certificate)?),
+        pierced: impact.pierced,
     })
 }
 

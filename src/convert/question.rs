@@ -133,7 +133,7 @@ pub(crate) fn raycast(sent: &pb::RaycastRequest) -> Checked<Raycast> {
             hollow: sent.hollow,
             faces: faces(sent.faces)?,
         },
-        mode: hit_mode(sent.mode, sent.max_hits)?,
+        mode: hit_mode(sent.mode, sent.max_hits, sent.pierce_layers)?,
     })
 }
 
@@ -204,7 +204,7 @@ pub(crate) fn time_of_impact(
         against_displacement,
         against_rotation,
         initial: if sent.ignore_initial { InitialTouch::IsIgnored } else { InitialTouch::Counts },
-        mode: hit_mode(sent.mode, sent.max_hits)?,
+        mode: hit_mode(sent.mode, sent.max_hits, sent.pierce_layers)?,
     })
 }
 
@@ -297,15 +297,21 @@ pub(super) fn faces(faces: i32) -> Checked<Faces> {
     }
 }
 
-pub(super) fn hit_mode(mode: i32, max_hits: u32) -> Checked<HitMode> {
+pub(super) fn hit_mode(mode: i32, max_hits: u32, pierce_layers: Option<u32>) -> Checked<HitMode> {
     let most = count("max_hits", max_hits, 256, LISTED_HITS)?;
-    match pb::HitMode::try_from(mode) {
-        Ok(pb::HitMode::Unspecified | pb::HitMode::Closest) => Ok(HitMode::Closest),
-        Ok(pb::HitMode::Any) => Ok(HitMode::Any),
-        Ok(pb::HitMode::All) => Ok(HitMode::All(most)),
+    let mode = match pb::HitMode::try_from(mode) {
+        Ok(pb::HitMode::Unspecified | pb::HitMode::Closest) => HitMode::Closest,
+        Ok(pb::HitMode::Any) => HitMode::Any,
+        Ok(pb::HitMode::All) => HitMode::All(most),
+        Ok(pb::HitMode::Pierce) => HitMode::Pierce { layers: pierce_layers.unwrap_or(0), most },
         Err(_) => {
-            let names = "HIT_MODE_CLOSEST (1), HIT_MODE_ANY (2), HIT_MODE_ALL (3)";
-            Err(unknown_enum("mode", mode, names))
+            let names = "HIT_MODE_CLOSEST (1), HIT_MODE_ANY (2), HIT_MODE_ALL (3), HIT_MODE_PIERCE (4)";
+            return Err(unknown_enum("mode", mode, names));
         }
+    };
+    if pierce_layers.is_some() && !matches!(mode, HitMode::Pierce { .. }) {
+        let what = "goes with HIT_MODE_PIERCE only: leave it out, or set \"mode\": \"HIT_MODE_PIERCE\"";
+        return Err(Problem::at("pierce_layers", Reason::OutOfLimits, what));
     }
+    Ok(mode)
 }

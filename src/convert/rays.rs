@@ -39,9 +39,14 @@ impl<'a> Rays<'a> {
             let what = "is absent: x, y, z of each ray are required, such as [0, 0, 1]";
             return Err(Problem::at("directions", Reason::Missing, what));
         }
-        let mode = hit_mode(sent.mode, 0)?;
-        if matches!(mode, HitMode::All(_)) {
-            let what = "is HIT_MODE_ALL: columns have one hit for each ray; ask Batch for lists";
+        let mode = hit_mode(sent.mode, 0, None)?;
+        let list = match mode {
+            HitMode::Closest | HitMode::Any => None,
+            HitMode::All(_) => Some("HIT_MODE_ALL"),
+            HitMode::Pierce { .. } => Some("HIT_MODE_PIERCE"),
+        };
+        if let Some(list) = list {
+            let what = format!("is {list}: columns have one hit for each ray; ask Batch for lists");
             return Err(Problem::at("mode", Reason::OutOfLimits, what));
         }
         let lengths =

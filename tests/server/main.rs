@@ -20,6 +20,7 @@ mod later;
 mod mesh_modes;
 mod pairs;
 mod parts;
+mod pierce;
 mod port;
 mod query_stream;
 mod questions;

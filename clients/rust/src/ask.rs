@@ -27,6 +27,23 @@ pub fn ray(origin: [f64; 3], direction: [f64; 3]) -> proto::RaycastRequest {
     }
 }
 
+/// A ray that goes through sensors and shapes on these layers: what it meets up to the first that blocks, and that at the end.
+///
+/// ```
+/// use calipers_client::ask;
+///
+/// const GLASS: u32 = 0b10;
+/// let shot = ask::piercing_ray([0.0; 3], [0.0, 0.0, 1.0], GLASS);
+/// assert_eq!(shot.pierce_layers, Some(GLASS));
+/// ```
+pub fn piercing_ray(origin: [f64; 3], direction: [f64; 3], pierce_layers: u32) -> proto::RaycastRequest {
+    proto::RaycastRequest {
+        mode: proto::HitMode::Pierce.into(),
+        pierce_layers: Some(pierce_layers),
+        ..ray(origin, direction)
+    }
+}
+
 /// Which shapes of the world touch the subject.
 pub fn overlap(subject: proto::Subject) -> proto::OverlapRequest {
     proto::OverlapRequest { subject: Some(subject), ..proto::OverlapRequest::default() }

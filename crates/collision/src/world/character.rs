@@ -361,6 +361,7 @@ fn at_the_start(contact: &Contact) -> Impact {
     Impact {
         id: contact.id,
         user_data: contact.user_data,
+        pierced: false,
         touch: ImpactTouch {
             fraction: 0.0,
             point: contact.points.first().map_or(DVec3::ZERO, |point| point.point_on_b),

@@ -45,6 +45,8 @@ pub struct Impact {
     pub id: Option<ShapeId>,
     /// The shape's.
     pub user_data: u64,
+    /// It blocks nothing: see [`HitMode::Pierce`].
+    pub pierced: bool,
     /// When and where; `b` is the shape.
     pub touch: ImpactTouch,
 }
@@ -60,6 +62,10 @@ impl Hit for Impact {
 
     fn certificate(&self) -> &Certificate {
         &self.touch.certificate
+    }
+
+    fn is_pierced(&self) -> bool {
+        self.pierced
     }
 }
 
@@ -113,7 +119,13 @@ impl TimeOfImpact {
         };
         let mut touch = narrow::impact_of(subject.placed, other.operand(), &motion, accuracy, &mut meter.work)?;
         raise(&mut touch.fraction, &mut touch.certificate, least);
-        Some(Impact { id: other.id(), user_data: other.user_data(), touch })
+        let pierced = self.mode.pierces(other);
+        Some(Impact { id: other.id(), user_data: other.user_data(), pierced, touch })
+    }
+
+    /// Sensors block nothing: they are seen only by what also tells what blocks nothing.
+    fn sees(&self, other: &Side<'_>) -> bool {
+        !other.is_sensor() || matches!(self.mode, HitMode::Pierce { .. })
     }
 
     /// How far what it is asked against goes, and how it turns; the world stands still.
@@ -126,7 +138,8 @@ impl TimeOfImpact {
 }
 
 impl Snapshot {
-    /// What the moving subject touches first. Sensors block nothing: they are passed over, unless `against` names one.
+    /// What the moving subject touches first. Sensors block nothing: they are passed over, unless `against` names one
+    /// or the mode is [`HitMode::Pierce`].
     ///
     /// # Errors
     /// A shape that is not there, [`QuestionError::Interrupted`].
@@ -153,7 +166,7 @@ impl Snapshot {
         self.along(&line, 1.0, sieve.layers_seen(), meter, |meter, other| {
             let limit = gathered.limit().min(1.0);
             if let Some(least) = line.entry(&other.bounds, limit).filter(|&least| least <= limit)
-                && !other.is_sensor()
+                && question.sees(&other)
                 && sieve.passes(&other)
             {
                 meter.look()?;

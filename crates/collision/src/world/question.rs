@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::ShapeId;
+use super::{ShapeId, search::Side};
 use crate::{
     answer::{Verdict, Work},
     broad::Toll,
@@ -39,13 +39,31 @@ pub enum HitMode {
     Any,
     /// All of them, closest first, one for each shape, at most this many.
     All(usize),
+    /// All that is not proved to lie behind the first certain blocker, closest first, and that blocker at the end. Sensors and
+    /// shapes on any of these layers block nothing. Of what comes before the blocker at most `most`, those that begin first.
+    Pierce {
+        /// A bit for each layer.
+        layers: u32,
+        /// How many hits besides the blocker.
+        most: usize,
+    },
+}
+
+impl HitMode {
+    /// Whether a side of a question blocks nothing: it is a sensor or on a layer that is pierced. In other modes nothing is.
+    pub(super) fn pierces(self, side: &Side<'_>) -> bool {
+        match self {
+            Self::Pierce { layers, .. } => side.shape.is_some_and(|shape| shape.sensor || shape.layers & layers != 0),
+            Self::Closest | Self::Any | Self::All(_) => false,
+        }
+    }
 }
 
 /// A list of hits in order.
 #[derive(Clone, Debug)]
 pub struct Found<H> {
     /// `Hit` if one of the hits is certain, `Undecided` if there are only undecided ones, `Miss` if it is proved that
-    /// there is none.
+    /// there is none. For [`HitMode::Pierce`] only those count that block.
     pub verdict: Verdict,
     /// The hits, ordered by value, equal ones by id.
     pub hits: Vec<H>,

@@ -32,6 +32,8 @@ pub struct RayHit {
     pub id: ShapeId,
     /// The shape's.
     pub user_data: u64,
+    /// It blocks nothing: see [`HitMode::Pierce`].
+    pub pierced: bool,
     /// Where, and what that is worth.
     pub touch: RayTouch,
 }
@@ -47,6 +49,10 @@ impl Hit for RayHit {
 
     fn certificate(&self) -> &Certificate {
         &self.touch.certificate
+    }
+
+    fn is_pierced(&self) -> bool {
+        self.pierced
     }
 }
 
@@ -114,7 +120,7 @@ impl Snapshot {
                 let touches = narrow::raycast_of(&aim, other.operand(), accuracy, &mut meter.work);
                 let hit = |mut touch: RayTouch| {
                     raise(&mut touch.distance, &mut touch.certificate, least);
-                    RayHit { id, user_data: other.user_data(), touch }
+                    RayHit { id, user_data: other.user_data(), pierced: question.mode.pierces(&other), touch }
                 };
                 // Most shapes are missed, and what is moved is large.
                 if touches.certain.is_some() || touches.undecided.is_some() {

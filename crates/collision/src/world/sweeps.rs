@@ -266,7 +266,7 @@ fn ask(bullet: &Moving<'_>, other: &Moving<'_>, least: f64, work: &mut Work) -> 
         raise(&mut touch.fraction, &mut touch.certificate, least);
         touch
     };
-    Some(Impact { id: other.side.id(), user_data: other.side.user_data(), touch })
+    Some(Impact { id: other.side.id(), user_data: other.side.user_data(), pierced: false, touch })
 }
 
 /// All that the boxes say of a touch: where the bullet's box is when it may first be.

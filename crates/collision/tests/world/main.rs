@@ -15,6 +15,7 @@ mod laziness;
 mod model;
 mod pair_changes;
 mod pairs;
+mod pierce;
 mod questions;
 #[path = "../broad/random.rs"]
 mod random;

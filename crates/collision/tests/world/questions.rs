@@ -199,6 +199,7 @@ fn assert_mode<H>(
             assert_eq!(found.truncated, all.len() > most, "{what:?}");
             assert_same(&list, &all[..all.len().min(most)], tolerance, what);
         }
+        HitMode::Pierce { .. } => unreachable!("laws of its own: pierce.rs"),
     }
 }
 

@@ -348,6 +348,7 @@ fn judge_mode(
             Some(hit) => assert!(kernel[&hit.id][0].is_some() && found.len() == 1, "{what}"),
             None => assert_eq!(keys(found), keys(all), "{what}"),
         },
+        HitMode::Pierce { .. } => unreachable!("laws of its own: pierce.rs"),
     }
 }
 
