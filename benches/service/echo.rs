@@ -164,4 +164,11 @@ impl QueryService for Echo {
     ) -> Result<Response<pb::DistanceBatchResponse>, Status> {
         not_asked()
     }
+
+    async fn line_of_sight(
+        &self,
+        _: Request<pb::LineOfSightRequest>,
+    ) -> Result<Response<pb::LineOfSightResponse>, Status> {
+        not_asked()
+    }
 }

@@ -22,5 +22,6 @@ pub(crate) mod rays;
 pub(crate) mod resolve;
 pub(crate) mod settings;
 pub(crate) mod shape;
+pub(crate) mod sight;
 pub(crate) mod view;
 pub(crate) mod watch;

@@ -32,21 +32,22 @@ impl<'a> Items<'a> {
         Ok(Self { scene, terms, turns: Turns::at_work(scene.deadline), work: Work::default() })
     }
 
-    /// Asks about item `index`, for one that does not see the shape `ignored`; before that, others get their turn if it is time.
+    /// Asks about item `index`, for one that does not see the shapes `ignored`; before that, others get their turn if it is time.
     ///
     /// # Errors
     /// The deadline, a question that takes too long: both with the item's number.
     pub(super) async fn ask<H>(
         &mut self,
         index: usize,
-        ignored: Option<ShapeId>,
+        ignored: impl IntoIterator<Item = ShapeId>,
         asked: impl FnOnce(&Snapshot, &Filter, &Accuracy, &mut Meter<'_>) -> Result<Found<H>, QuestionError>,
     ) -> Checked<Found<H>> {
         self.turns.next().await?;
         let Self { scene, terms: Terms { filter, accuracy, .. }, .. } = self;
+        let excluded_count = filter.exclude_ids.len();
         filter.exclude_ids.extend(ignored);
         let answered = scene.ask(|meter| asked(&scene.snapshot, filter, accuracy, meter));
-        filter.exclude_ids.truncate(filter.exclude_ids.len() - usize::from(ignored.is_some()));
+        filter.exclude_ids.truncate(excluded_count);
         let (found, work) = answered.map_err(|problem| match problem.is(Reason::Deadline) {
             true => problem,
             false => problem.of_item(index),

@@ -15,6 +15,7 @@ mod geometries;
 mod geometry;
 mod items;
 mod later;
+mod line_of_sight;
 mod list_shapes;
 mod move_character;
 mod overlap;

@@ -14,7 +14,7 @@ use wire::v1::{self as pb, query_stream_request::Request as Asked, query_stream_
 use super::{
     Answers, Caller, READER_PATIENCE, Server,
     answers::{Unread, stream},
-    batch, distance_batch, fitting, overlap_batch, question, raycast_batch,
+    batch, distance_batch, fitting, line_of_sight, overlap_batch, question, raycast_batch,
     scene::Scene,
     time_of_impact_batch,
     turns::Turns,
@@ -88,7 +88,7 @@ async fn answer_kind(server: &Server, caller: &Caller, message: pb::QueryStreamR
     match message.request {
         None => {
             let what = "is absent: it is one of question, batch, raycast_batch, overlap_batch, time_of_impact_batch, \
-                        distance_batch";
+                        distance_batch, line_of_sight";
             Err(Problem::at("request", Reason::Missing, what))
         }
         Some(Asked::Question(sent)) => answer_question(server, caller, &sent).await.under("question"),
@@ -112,6 +112,10 @@ async fn answer_kind(server: &Server, caller: &Caller, message: pb::QueryStreamR
         Some(Asked::DistanceBatch(sent)) => {
             let scene = Scene::of(server, caller, &sent).await.under("distance_batch")?;
             distance_batch::answer(&sent, &scene).await.map(Answered::DistanceBatch).under("distance_batch")
+        }
+        Some(Asked::LineOfSight(sent)) => {
+            let scene = Scene::of(server, caller, &sent).await.under("line_of_sight")?;
+            line_of_sight::answer(&sent, &scene).await.map(Answered::LineOfSight).under("line_of_sight")
         }
     }
 }

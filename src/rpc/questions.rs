@@ -6,8 +6,8 @@ use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
 use super::{
-    Caller, Server, batch, distance, distance_batch, fitting, move_character, overlap, overlap_batch, pairs,
-    penetration, query_stream, raycast, raycast_batch, resolve,
+    Caller, Server, batch, distance, distance_batch, fitting, line_of_sight, move_character, overlap, overlap_batch,
+    pairs, penetration, query_stream, raycast, raycast_batch, resolve,
     scene::{Asking, Scene, unary},
     time_of_impact, time_of_impact_batch,
 };
@@ -100,6 +100,14 @@ impl pb::query_service_server::QueryService for Questions {
     ) -> Result<Response<pb::DistanceBatchResponse>, Status> {
         let (sent, scene) = enter(&self.0, request).await?;
         Ok(Response::new(fitting(distance_batch::answer(&sent, &scene).await?, FEWER)?))
+    }
+
+    async fn line_of_sight(
+        &self,
+        request: Request<pb::LineOfSightRequest>,
+    ) -> Result<Response<pb::LineOfSightResponse>, Status> {
+        let (sent, scene) = enter(&self.0, request).await?;
+        Ok(Response::new(fitting(line_of_sight::answer(&sent, &scene).await?, "ask in several calls")?))
     }
 
     type QueryStreamStream = super::Answers<pb::QueryStreamResponse>;

@@ -168,7 +168,8 @@ asking!(
     pb::RaycastBatchRequest,
     pb::OverlapBatchRequest,
     pb::TimeOfImpactBatchRequest,
-    pb::DistanceBatchRequest
+    pb::DistanceBatchRequest,
+    pb::LineOfSightRequest
 );
 
 /// Answers a unary question.

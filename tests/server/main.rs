@@ -17,6 +17,7 @@ mod geometries;
 mod harness;
 mod height_fields;
 mod later;
+mod line_of_sight;
 mod mesh_modes;
 mod pairs;
 mod parts;

@@ -68,6 +68,32 @@ pub fn distance(subject: proto::Subject) -> proto::DistanceRequest {
     proto::DistanceRequest { subject: Some(subject), ..proto::DistanceRequest::default() }
 }
 
+/// Which of its targets' points each eye sees; a target is the list of its points. Positions are relative to `frame_origin` of the
+/// request, which is 0 unless it is set.
+///
+/// ```
+/// use calipers_client::ask;
+///
+/// let (eye, head, feet) = ([0.0, 1.7, 0.0], [9.0, 1.7, 0.0], [9.0, 0.1, 0.0]);
+/// let look = ask::line_of_sight(&[eye], &[vec![head, feet], vec![[3.0, 1.0, 4.0]]]);
+/// assert_eq!(look.offsets, [0, 2, 3]);
+/// ```
+pub fn line_of_sight(eyes: &[[f32; 3]], targets: &[Vec<[f32; 3]>]) -> proto::LineOfSightRequest {
+    let mut offsets = vec![0];
+    let mut points = Vec::new();
+    for target in targets {
+        points.extend(target.iter().flatten());
+        // More than a message has room for is refused by the server.
+        offsets.push(u32::try_from(points.len() / 3).unwrap_or(u32::MAX));
+    }
+    proto::LineOfSightRequest {
+        eyes: eyes.iter().flatten().copied().collect(),
+        points,
+        offsets,
+        ..proto::LineOfSightRequest::default()
+    }
+}
+
 /// A subject that is a shape of the world, where it stands; it does not see itself.
 pub fn shape(id: u64) -> proto::Subject {
     proto::Subject { form: Some(Form::Id(id)), pose: None }

@@ -79,6 +79,8 @@ calls_of_the_session! {
     time_of_impact_batch = questions.time_of_impact_batch(TimeOfImpactBatchRequest) -> TimeOfImpactBatchResponse;
     /// One geometry at many places: what is nearest?
     distance_batch = questions.distance_batch(DistanceBatchRequest) -> DistanceBatchResponse;
+    /// Which points of targets do observers see?
+    line_of_sight = questions.line_of_sight(LineOfSightRequest) -> LineOfSightResponse;
     /// Applies edits as one tick, with everything that the request can say.
     edit_with = world.edit(EditRequest) -> EditResponse;
     /// Says where a shape is, or was.

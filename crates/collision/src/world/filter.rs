@@ -31,6 +31,7 @@ pub(super) struct Sieve<'a> {
     filter: &'a Filter,
     layers: u32,
     collides_with: u32,
+    exclude_sensors: bool,
     /// The asker and its group, if it is a shape of the world.
     asker: Option<(ShapeId, u32)>,
     /// Sorted, if they are so many that this pays; a usual list is searched as it was sent.
@@ -49,9 +50,15 @@ impl<'a> Sieve<'a> {
             filter,
             layers: filter.layers.or(asker.map(|shape| shape.layers)).unwrap_or(u32::MAX),
             collides_with: filter.collides_with.or(asker.map(|shape| shape.collides_with)).unwrap_or(u32::MAX),
+            exclude_sensors: filter.exclude_sensors,
             asker: asker.map(|shape| (shape.id, shape.group)),
             exclude_sorted,
         }
+    }
+
+    /// The same, which lets no sensors through.
+    pub(super) fn without_sensors(self) -> Self {
+        Self { exclude_sensors: true, ..self }
     }
 
     /// The layers that the asker sees: shapes on none of them need not be offered.
@@ -68,7 +75,7 @@ impl<'a> Sieve<'a> {
     pub(super) fn lets_through(&self, shape: &Shape) -> bool {
         let is_wanted = shape.layers & self.collides_with != 0 && shape.collides_with & self.layers != 0;
         let is_own = self.asker.is_some_and(|(id, group)| id == shape.id || (group != 0 && group == shape.group));
-        let is_excluded = (self.filter.exclude_sensors && shape.sensor)
+        let is_excluded = (self.exclude_sensors && shape.sensor)
             || (self.filter.exclude_static && shape.mobility == Mobility::Static)
             || (shape.group != 0 && self.filter.exclude_groups.contains(&shape.group))
             || self.excludes(shape.id);

@@ -106,9 +106,19 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<Found<RayHit>, QuestionError> {
+        self.cast(question, &Sieve::new(filter, None), accuracy, meter)
+    }
+
+    /// What a ray hits of what a sieve lets through.
+    pub(super) fn cast(
+        &self,
+        question: &Raycast,
+        sieve: &Sieve<'_>,
+        accuracy: &Accuracy,
+        meter: &mut Meter<'_>,
+    ) -> Result<Found<RayHit>, QuestionError> {
         let ray = &question.ray;
         let (track, aim) = (Track::new(ray), Aim::new(ray));
-        let sieve = Sieve::new(filter, None);
         let mut gathered = Gathered::new(question.mode);
         self.along(&track.line, track.limit(ray.max_distance), sieve.layers_seen(), meter, |meter, other| {
             let limit = gathered.limit().min(ray.max_distance);

@@ -22,6 +22,7 @@ mod random;
 mod readers;
 mod resolve;
 mod scene;
+mod sight;
 mod traffic;
 mod view;
 mod watch;
