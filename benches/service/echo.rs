@@ -134,6 +134,13 @@ impl QueryService for Echo {
         not_asked()
     }
 
+    async fn depenetrate(
+        &self,
+        _: Request<pb::DepenetrateRequest>,
+    ) -> Result<Response<pb::DepenetrateResponse>, Status> {
+        not_asked()
+    }
+
     async fn resolve(&self, _: Request<pb::ResolveRequest>) -> Result<Response<pb::ResolveResponse>, Status> {
         not_asked()
     }

@@ -41,6 +41,7 @@ pub(crate) fn move_character(sent: &pb::MoveCharacterRequest, known: &Geometries
         step_height: length("step_height", sent.step_height)?,
         snap_distance: length("snap_distance", sent.snap_distance)?,
         skin: within("skin", sent.skin.unwrap_or(SKIN), 0.0..=Limits::SIZE_MAX, "0 to 1e9 metres")?,
+        max_push: length("max_push", sent.max_push)?,
         max_slides: count("max_slides", sent.max_slides, 4, 32)?,
     })
 }
@@ -56,5 +57,6 @@ pub(crate) fn moved_character(moved: &MovedCharacter) -> Checked<pb::MoveCharact
         ground: moved.ground.as_ref().map(contact).transpose()?,
         hits: moved.hits.iter().map(impact).collect::<Checked<_>>()?,
         info: None,
+        pushed: (moved.pushed != DVec3::ZERO).then(|| vec3_out(moved.pushed)).transpose()?,
     })
 }

@@ -8,6 +8,7 @@ pub(crate) mod answer;
 pub(crate) mod character;
 pub(crate) mod columns;
 mod compound;
+pub(crate) mod depenetrate;
 pub(crate) mod edit;
 pub(crate) mod geometry;
 mod height_field;

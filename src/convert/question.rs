@@ -266,7 +266,7 @@ pub(crate) fn half_space_subject(field: &'static str) -> Problem {
     Problem::at(field, Reason::BadGeometry, what)
 }
 
-fn against(sent: Option<&pb::Subject>, known: &Geometries) -> Checked<Option<Subject>> {
+pub(super) fn against(sent: Option<&pb::Subject>, known: &Geometries) -> Checked<Option<Subject>> {
     sent.map(|sent| some_subject(sent, known).under("against")).transpose()
 }
 

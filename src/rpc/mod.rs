@@ -4,6 +4,7 @@
 mod answers;
 mod batch;
 mod create_session;
+mod depenetrate;
 mod describe_world;
 mod distance;
 mod distance_batch;

@@ -3,7 +3,7 @@
 use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
 
 use super::{
-    distance, move_character, overlap, penetration, raycast,
+    depenetrate, distance, move_character, overlap, penetration, raycast,
     scene::{Asking, Scene},
     time_of_impact,
 };
@@ -36,11 +36,13 @@ pub(super) fn heading(sent: &pb::Question) -> Checked<Heading<'_>> {
         Some(Asked::TimeOfImpact(sent)) => of("time_of_impact", sent),
         Some(Asked::Distance(sent)) => of("distance", sent),
         Some(Asked::MoveCharacter(sent)) => of("move_character", sent),
+        Some(Asked::Depenetrate(sent)) => of("depenetrate", sent),
     }
 }
 
 fn no_question() -> Problem {
-    let what = "is absent: it is one of raycast, overlap, penetration, time_of_impact, distance, move_character";
+    let what =
+        "is absent: it is one of raycast, overlap, penetration, time_of_impact, distance, move_character, depenetrate";
     Problem::at("question", Reason::Missing, what)
 }
 
@@ -57,6 +59,7 @@ pub(super) fn answer(sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
         Some(Asked::TimeOfImpact(sent)) => time_of_impact::answer(sent, scene).map(Kind::TimeOfImpact),
         Some(Asked::Distance(sent)) => distance::answer(sent, scene).map(Kind::Distance),
         Some(Asked::MoveCharacter(sent)) => move_character::answer(sent, scene).map(Kind::MoveCharacter),
+        Some(Asked::Depenetrate(sent)) => depenetrate::answer(sent, scene).map(Kind::Depenetrate),
         None => return Err(no_question()),
     };
     answered.under(name)

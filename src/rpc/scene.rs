@@ -162,6 +162,7 @@ asking!(
     pb::TimeOfImpactRequest,
     pb::DistanceRequest,
     pb::MoveCharacterRequest,
+    pb::DepenetrateRequest,
     pb::ResolveRequest,
     pb::PairsRequest,
     pb::BatchRequest,

@@ -9,6 +9,7 @@ mod by_hand;
 mod characters;
 mod columns;
 mod compounds;
+mod depenetrate;
 mod edit_stream;
 mod edits;
 mod forks;

@@ -68,6 +68,11 @@ pub fn distance(subject: proto::Subject) -> proto::DistanceRequest {
     proto::DistanceRequest { subject: Some(subject), ..proto::DistanceRequest::default() }
 }
 
+/// The way out of everything that the subject overlaps, ending `gap` metres from it.
+pub fn depenetrate(subject: proto::Subject, gap: f64) -> proto::DepenetrateRequest {
+    proto::DepenetrateRequest { subject: Some(subject), gap, ..proto::DepenetrateRequest::default() }
+}
+
 /// Which of its targets' points each eye sees; a target is the list of its points. Positions are relative to `frame_origin` of the
 /// request, which is 0 unless it is set.
 ///

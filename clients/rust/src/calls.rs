@@ -60,6 +60,8 @@ questions_of_the_session! {
     distance(DistanceRequest) -> DistanceResponse as Distance;
     /// How far does a character get that slides along what it meets?
     move_character(MoveCharacterRequest) -> MoveCharacterResponse as MoveCharacter;
+    /// Which way out of everything that it overlaps does the subject have?
+    depenetrate(DepenetrateRequest) -> DepenetrateResponse as Depenetrate;
 }
 
 fn overdue() -> Status {

@@ -338,6 +338,11 @@ pub const SKIN_MIN: f64 = 1.0 / 1_048_576.0;
 /// strides are spent on roundings. Pinned by `world/character.rs`, corners.
 pub const STRIDE_MIN: f64 = 8192.0 * ROUNDING;
 
+/// How much farther than the width of an overlap, as a part of the coordinates and sizes it is found with, a way out leads: 2⁻⁴⁴,
+/// some hundred roundings of the place where it ends. Larger: ways are longer by as much. Smaller: what was parted may be found
+/// to touch by rounding, which costs another pass. Pinned by `world/depenetrate.rs`, far out.
+pub const CLEARANCE: f64 = 512.0 * ROUNDING;
+
 /// How far beside an edge, as a part of its reach, a character looks for the surface that the edge belongs to. Larger: ledges
 /// that are narrower than this are no floors. Smaller: rounding of the contact point may miss the surface. Pinned by
 /// `world/character.rs`, stairs.

@@ -18,6 +18,7 @@
 //! # Limits
 //! It is a question: nothing is pushed, and what moves is where it is at the tick that is read.
 
+mod push;
 mod slide;
 mod step;
 
@@ -60,6 +61,8 @@ pub struct MoveCharacter {
     pub skin: f64,
     /// Strides at most.
     pub max_slides: usize,
+    /// Farthest it is moved out of what it overlaps before it goes, metres: see [`super::Depenetrate`].
+    pub max_push: f64,
 }
 
 /// How far it got.
@@ -74,6 +77,8 @@ pub struct MovedCharacter {
     pub ground: Option<Contact>,
     /// What it touched, in order; the fractions are of the part of the way then left.
     pub hits: Vec<Impact>,
+    /// How it was moved out of what it overlapped before it went.
+    pub pushed: DVec3,
 }
 
 impl Snapshot {
@@ -187,6 +192,7 @@ struct Stride {
 
 impl Walk<'_, '_> {
     fn go(&mut self) -> Result<MovedCharacter, QuestionError> {
+        let pushed = self.push()?;
         let mut contacts = self.contacts(self.pose.position)?;
         let began_on_floor = self.floor(&contacts).is_some();
         let mut left = self.question.translation;
@@ -224,7 +230,8 @@ impl Walk<'_, '_> {
             (false, true) => Verdict::Hit,
             (false, false) => Verdict::Undecided,
         };
-        Ok(MovedCharacter { verdict, position: self.pose.position, ground, hits: std::mem::take(&mut self.hits) })
+        let hits = std::mem::take(&mut self.hits);
+        Ok(MovedCharacter { verdict, position: self.pose.position, ground, hits, pushed })
     }
 
     /// One way from a place where these are the contacts.

@@ -6,6 +6,7 @@ mod changed;
 mod character;
 mod check;
 mod content;
+mod depenetrate;
 mod describe;
 mod directory;
 mod distance;
@@ -34,6 +35,7 @@ mod view;
 mod watch;
 
 pub use character::{MoveCharacter, MovedCharacter};
+pub use depenetrate::{Depenetrate, Depenetrated};
 pub use describe::{BuiltStructure, Description};
 pub use distance::{Distance, Neighbor};
 pub use edit::{Edit, EditError, EditFault, EditReport, EditRule, World};

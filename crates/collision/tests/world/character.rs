@@ -43,6 +43,7 @@ fn walker(place: DVec3, translation: DVec3) -> MoveCharacter {
         snap_distance: 0.0,
         skin: SKIN,
         max_slides: 8,
+        max_push: 0.0,
     }
 }
 
@@ -296,4 +297,17 @@ fn what_cannot_walk_is_refused() {
     assert!(matches!(refusal(large), QuestionError::Skin(_)));
     let missing = MoveCharacter { subject: Subject::Shape { id: id(9), pose: None }, ..walker(DVec3::ZERO, DVec3::X) };
     assert_eq!(refusal(missing), QuestionError::SubjectNotFound(id(9)));
+}
+
+#[test]
+fn a_character_is_pushed_out_of_what_it_overlaps_before_it_goes() {
+    let world = world_of([floor(1)]);
+    let sunk = walker(DVec3::Y * 0.8, DVec3::X);
+    let stays = walk(&world.newest(), &sunk);
+    assert!(stays.position.y < STANDING - 0.05 && stays.pushed == DVec3::ZERO, "{stays:?}");
+    let out = walk(&world.newest(), &MoveCharacter { max_push: 0.5, ..sunk.clone() });
+    assert_near(out.pushed, DVec3::Y * 0.1);
+    assert_near(out.position, DVec3::new(1.0, 0.9, 0.0));
+    let held = walk(&world.newest(), &MoveCharacter { max_push: 0.05, ..sunk });
+    assert_eq!(held.pushed, DVec3::ZERO, "it would have to go farther");
 }

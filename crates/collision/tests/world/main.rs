@@ -3,6 +3,7 @@
 mod bullets;
 mod character;
 mod content;
+mod depenetrate;
 mod determinism;
 mod edited;
 mod edits;
