@@ -228,7 +228,7 @@ fn neighbor(neighbor: &Neighbor) -> Checked<pb::Neighbor> {
     })
 }
 
-fn certificate(certificate: &Certificate) -> Checked<pb::Certificate> {
+pub(super) fn certificate(certificate: &Certificate) -> Checked<pb::Certificate> {
     Ok(pb::Certificate {
         verdict: verdict(certificate.verdict).into(),
         interval: Some(interval(certificate.bound)?),

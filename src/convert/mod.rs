@@ -4,6 +4,7 @@
 //! infinite or a negative zero. Each function names fields relative to the message it is given; who holds that message
 //! puts its own name before them.
 
+pub(crate) mod account;
 pub(crate) mod answer;
 pub(crate) mod character;
 pub(crate) mod columns;

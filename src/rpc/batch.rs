@@ -23,8 +23,11 @@ const QUESTIONS: usize = 65_536;
 pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb::BatchResponse> {
     at_most("questions", sent.questions.len(), QUESTIONS)?;
     let shared = scene.shared.overridden_by(sent.options.as_ref())?;
-    let info =
-        pb::AnswerInfo { tick: scene.snapshot.tick().get(), tick_fraction: scene.snapshot.fraction(), work: None };
+    let info = pb::AnswerInfo {
+        tick: scene.snapshot.tick().get(),
+        tick_fraction: scene.snapshot.fraction(),
+        ..pb::AnswerInfo::default()
+    };
     let scene = Scene { shared, naming: Naming::Nothing, ..scene.clone() };
     let mut answers = Vec::with_capacity(sent.questions.len());
     let mut turns = Turns::at_work(scene.deadline);

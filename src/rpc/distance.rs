@@ -15,6 +15,7 @@ use crate::{
 pub(super) fn answer(sent: &pb::DistanceRequest, scene: &Scene) -> Checked<pb::DistanceResponse> {
     let question = asked::distance(sent, &scene.session.geometries)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (hits, work) = scene.ask(|meter| scene.snapshot.distance(&question, &terms.filter, &terms.accuracy, meter))?;
-    Ok(pb::DistanceResponse { info: scene.info(&terms, &work), ..found::distance(&hits)? })
+    let (hits, account) =
+        scene.ask(&terms, |meter| scene.snapshot.distance(&question, &terms.filter, &terms.accuracy, meter))?;
+    Ok(pb::DistanceResponse { info: scene.info(&terms, account), ..found::distance(&hits)? })
 }

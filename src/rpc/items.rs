@@ -2,12 +2,12 @@
 
 use collision::{
     accuracy::Accuracy,
-    answer::Work,
     world::{Filter, Found, Meter, QuestionError, ShapeId, Snapshot},
 };
 use wire::v1 as pb;
 
 use super::{
+    account::Account,
     scene::{Asking, Scene, Terms},
     turns::Turns,
 };
@@ -19,7 +19,7 @@ pub(super) struct Items<'a> {
     scene: &'a Scene,
     terms: Terms,
     turns: Turns,
-    work: Work,
+    account: Account,
 }
 
 impl<'a> Items<'a> {
@@ -29,7 +29,7 @@ impl<'a> Items<'a> {
     /// What is wrong with its options.
     pub(super) fn of(sent: &impl Asking, scene: &'a Scene) -> Checked<Self> {
         let terms = scene.shared.overridden_by(sent.options())?;
-        Ok(Self { scene, terms, turns: Turns::at_work(scene.deadline), work: Work::default() })
+        Ok(Self { scene, terms, turns: Turns::at_work(scene.deadline), account: Account::default() })
     }
 
     /// Asks about item `index`, for one that does not see the shapes `ignored`; before that, others get their turn if it is time.
@@ -43,21 +43,21 @@ impl<'a> Items<'a> {
         asked: impl FnOnce(&Snapshot, &Filter, &Accuracy, &mut Meter<'_>) -> Result<Found<H>, QuestionError>,
     ) -> Checked<Found<H>> {
         self.turns.next().await?;
-        let Self { scene, terms: Terms { filter, accuracy, .. }, .. } = self;
-        let excluded_count = filter.exclude_ids.len();
-        filter.exclude_ids.extend(ignored);
-        let answered = scene.ask(|meter| asked(&scene.snapshot, filter, accuracy, meter));
-        filter.exclude_ids.truncate(excluded_count);
-        let (found, work) = answered.map_err(|problem| match problem.is(Reason::Deadline) {
+        let Self { scene, terms, .. } = self;
+        let excluded_count = terms.filter.exclude_ids.len();
+        terms.filter.exclude_ids.extend(ignored);
+        let answered = scene.ask(terms, |meter| asked(&scene.snapshot, &terms.filter, &terms.accuracy, meter));
+        terms.filter.exclude_ids.truncate(excluded_count);
+        let (found, account) = answered.map_err(|problem| match problem.is(Reason::Deadline) {
             true => problem,
             false => problem.of_item(index),
         })?;
-        self.work += work;
+        self.account.add(account, index);
         Ok(found)
     }
 
     /// What the answer says about itself.
-    pub(super) fn info(&self) -> Option<pb::AnswerInfo> {
-        self.scene.info(&self.terms, &self.work)
+    pub(super) fn info(self) -> Option<pb::AnswerInfo> {
+        self.scene.info(&self.terms, self.account)
     }
 }

@@ -82,7 +82,7 @@ pub(super) async fn get(
 }
 
 fn info(snapshot: &Snapshot) -> pb::AnswerInfo {
-    pb::AnswerInfo { tick: snapshot.tick().get(), tick_fraction: snapshot.fraction(), work: None }
+    pb::AnswerInfo { tick: snapshot.tick().get(), tick_fraction: snapshot.fraction(), ..pb::AnswerInfo::default() }
 }
 
 /// The tick, the last shape and, if there is one, the fraction as bits, which reads back as the same.

@@ -1,6 +1,7 @@
 //! The calls of the API: wire messages to checked questions, answers to wire messages. The only room besides `convert`
 //! that knows protobuf.
 
+mod account;
 mod answers;
 mod batch;
 mod create_session;

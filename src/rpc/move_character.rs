@@ -13,10 +13,10 @@ use crate::{convert::character, problem::Checked};
 pub(super) fn answer(sent: &pb::MoveCharacterRequest, scene: &Scene) -> Checked<pb::MoveCharacterResponse> {
     let question = character::move_character(sent, &scene.session.geometries)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (moved, work) = scene.ask(|meter| {
+    let (moved, account) = scene.ask(&terms, |meter| {
         let moved = scene.snapshot.move_character(&question, &terms.filter, &terms.accuracy, meter)?;
         Ok(Found { verdict: moved.verdict, hits: vec![moved], truncated: false })
     })?;
     let moved = character::moved_character(&moved.hits[0])?;
-    Ok(pb::MoveCharacterResponse { info: scene.info(&terms, &work), ..moved })
+    Ok(pb::MoveCharacterResponse { info: scene.info(&terms, account), ..moved })
 }

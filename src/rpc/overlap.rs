@@ -15,6 +15,7 @@ use crate::{
 pub(super) fn answer(sent: &pb::OverlapRequest, scene: &Scene) -> Checked<pb::OverlapResponse> {
     let question = asked::overlap(sent, &scene.session.geometries)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (hits, work) = scene.ask(|meter| scene.snapshot.overlap(&question, &terms.filter, &terms.accuracy, meter))?;
-    Ok(pb::OverlapResponse { info: scene.info(&terms, &work), ..found::overlap(&hits)? })
+    let (hits, account) =
+        scene.ask(&terms, |meter| scene.snapshot.overlap(&question, &terms.filter, &terms.accuracy, meter))?;
+    Ok(pb::OverlapResponse { info: scene.info(&terms, account), ..found::overlap(&hits)? })
 }

@@ -5,7 +5,7 @@
 //! of one tick. They are made one by one as the reader takes them.
 
 use collision::{
-    answer::{Verdict, Work},
+    answer::Verdict,
     world::{Found, Pair},
 };
 use tokio::{sync::mpsc, time::timeout};
@@ -15,6 +15,7 @@ use wire::v1 as pb;
 
 use super::{
     Answers, Caller, READER_PATIENCE, Server,
+    account::Account,
     scene::{Scene, Terms},
 };
 use crate::{
@@ -42,10 +43,10 @@ pub(super) async fn answer(
     let asking = scene.clone();
     let terms = scene.shared.overridden_by(asked.options.as_ref())?;
     let agreed = terms.clone();
-    let (pairs, work) = compute::run(Weight::Heavy, "finding pairs", move || list(&asking, &agreed)).await?;
+    let (pairs, account) = compute::run(Weight::Heavy, "finding pairs", move || list(&asking, &agreed)).await?;
     let (parts, unread) = mpsc::channel(UNREAD_MESSAGES);
     tokio::spawn(async move {
-        for part in messages(&pairs, &scene, &terms, &work) {
+        for part in messages(&pairs, &scene, &terms, account) {
             // A reader that has gone, or takes nothing, lets the list go.
             let Ok(Ok(())) = timeout(READER_PATIENCE, parts.send(Ok(part))).await else { return };
         }
@@ -53,8 +54,8 @@ pub(super) async fn answer(
     Ok(Response::new(Box::pin(ReceiverStream::new(unread))))
 }
 
-fn list(scene: &Scene, terms: &Terms) -> Checked<(Vec<Pair>, Work)> {
-    let (pairs, work) = scene.ask(|meter| {
+fn list(scene: &Scene, terms: &Terms) -> Checked<(Vec<Pair>, Account)> {
+    let (pairs, account) = scene.ask(terms, |meter| {
         let hits = scene.snapshot.pairs(&terms.filter, &terms.accuracy, meter)?;
         let is_open = !hits.is_empty() && hits.iter().all(|pair| pair.certificate.verdict == Verdict::Undecided);
         let verdict = match (is_open, hits.is_empty()) {
@@ -64,7 +65,7 @@ fn list(scene: &Scene, terms: &Terms) -> Checked<(Vec<Pair>, Work)> {
         };
         Ok(Found { verdict, hits, truncated: false })
     })?;
-    Ok((pairs.hits, work))
+    Ok((pairs.hits, account))
 }
 
 /// The messages of a list: at least one, which says on what tick there is nothing.
@@ -72,14 +73,15 @@ fn messages<'a>(
     pairs: &'a [Pair],
     scene: &'a Scene,
     terms: &'a Terms,
-    work: &'a Work,
+    mut account: Account,
 ) -> impl Iterator<Item = pb::PairsResponse> + 'a {
     let count = pairs.len().div_ceil(PAIRS_OF_A_MESSAGE).max(1);
     (0..count).map(move |number| {
         let begin = number * PAIRS_OF_A_MESSAGE;
         let part = &pairs[begin..pairs.len().min(begin + PAIRS_OF_A_MESSAGE)];
-        let mut info = scene.info(terms, work);
-        if number + 1 < count {
+        let is_last = number + 1 == count;
+        let mut info = scene.info(terms, if is_last { std::mem::take(&mut account) } else { Account::default() });
+        if !is_last {
             info.iter_mut().for_each(|info| info.work = None);
         }
         pb::PairsResponse { info, ..found::pairs(part) }

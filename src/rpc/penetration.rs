@@ -15,7 +15,7 @@ use crate::{
 pub(super) fn answer(sent: &pb::PenetrationRequest, scene: &Scene) -> Checked<pb::PenetrationResponse> {
     let question = asked::penetration(sent, &scene.session.geometries)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (hits, work) =
-        scene.ask(|meter| scene.snapshot.penetration(&question, &terms.filter, &terms.accuracy, meter))?;
-    Ok(pb::PenetrationResponse { info: scene.info(&terms, &work), ..found::penetration(&hits)? })
+    let (hits, account) =
+        scene.ask(&terms, |meter| scene.snapshot.penetration(&question, &terms.filter, &terms.accuracy, meter))?;
+    Ok(pb::PenetrationResponse { info: scene.info(&terms, account), ..found::penetration(&hits)? })
 }

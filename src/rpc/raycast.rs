@@ -15,6 +15,7 @@ use crate::{
 pub(super) fn answer(sent: &pb::RaycastRequest, scene: &Scene) -> Checked<pb::RaycastResponse> {
     let question = asked::raycast(sent)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (hits, work) = scene.ask(|meter| scene.snapshot.raycast(&question, &terms.filter, &terms.accuracy, meter))?;
-    Ok(pb::RaycastResponse { info: scene.info(&terms, &work), ..found::raycast(&hits)? })
+    let (hits, account) =
+        scene.ask(&terms, |meter| scene.snapshot.raycast(&question, &terms.filter, &terms.accuracy, meter))?;
+    Ok(pb::RaycastResponse { info: scene.info(&terms, account), ..found::raycast(&hits)? })
 }

@@ -13,9 +13,9 @@ use crate::{convert::resolve, problem::Checked};
 pub(super) fn answer(sent: &pb::ResolveRequest, scene: &Scene) -> Checked<pb::ResolveResponse> {
     let question = resolve::resolve(sent, &scene.snapshot)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (resolved, work) = scene.ask(|meter| {
+    let (resolved, account) = scene.ask(&terms, |meter| {
         let resolved = scene.snapshot.resolve(&question, &terms.filter, &terms.accuracy, meter)?;
         Ok(Found { verdict: resolved.verdict, hits: vec![resolved], truncated: false })
     })?;
-    Ok(pb::ResolveResponse { info: scene.info(&terms, &work), ..resolve::resolved(&resolved.hits[0])? })
+    Ok(pb::ResolveResponse { info: scene.info(&terms, account), ..resolve::resolved(&resolved.hits[0])? })
 }

@@ -4,14 +4,18 @@ use std::sync::{Arc, atomic::Ordering};
 
 use collision::{
     accuracy::Accuracy,
-    answer::{Verdict, Work},
-    world::{Filter, Found, Meter, QuestionError, Snapshot},
+    answer::Verdict,
+    world::{Filter, Found, Meter, Notes, QuestionError, Snapshot},
 };
 use prost::Message;
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
 
-use super::{Caller, Server, fitting};
+use super::{
+    Caller, Server,
+    account::{Account, PAIRS_TOLD},
+    fitting,
+};
 use crate::{
     compute::{self, Weight},
     convert::{answer, question},
@@ -101,16 +105,21 @@ impl Scene {
         })
     }
 
-    /// Asks, with a meter that stops at the deadline.
+    /// Asks, with a meter that stops at the deadline; notes what is done if the terms say so.
     ///
     /// # Errors
     /// What the world refuses, the deadline, a panic.
     pub(super) fn ask<H>(
         &self,
+        terms: &Terms,
         asked: impl FnOnce(&mut Meter<'_>) -> Result<Found<H>, QuestionError>,
-    ) -> Checked<(Found<H>, Work)> {
+    ) -> Checked<(Found<H>, Account)> {
         let mut keep_going = || self.deadline.is_ahead();
+        let mut notes = terms.explain.then(|| Notes::new(PAIRS_TOLD));
         let mut meter = Meter::new(&mut keep_going).with_limit(QUESTION_STEPS);
+        if let Some(notes) = &mut notes {
+            meter = meter.noting(notes);
+        }
         let found = fenced("answering a question", || asked(&mut meter))?;
         let found = found.map_err(|error| answer::refused(&error, self.snapshot.tick()))?;
         let counters = &self.session.counters;
@@ -118,17 +127,20 @@ impl Scene {
         if found.verdict == Verdict::Undecided {
             counters.undecided.fetch_add(1, Ordering::Relaxed);
         }
-        Ok((found, meter.work))
+        let work = meter.work;
+        Ok((found, Account::of(work, notes.as_ref())?))
     }
 
     /// What an answer says about itself.
-    pub(super) fn info(&self, terms: &Terms, work: &Work) -> Option<pb::AnswerInfo> {
-        let work = terms.explain.then(|| answer::work(work));
+    pub(super) fn info(&self, terms: &Terms, account: Account) -> Option<pb::AnswerInfo> {
+        let told = terms.explain.then(|| account.into_info());
         match self.naming {
-            Naming::Tick => {
-                Some(pb::AnswerInfo { tick: self.snapshot.tick().get(), tick_fraction: self.snapshot.fraction(), work })
-            }
-            Naming::Nothing => work.map(|work| pb::AnswerInfo { work: Some(work), ..pb::AnswerInfo::default() }),
+            Naming::Tick => Some(pb::AnswerInfo {
+                tick: self.snapshot.tick().get(),
+                tick_fraction: self.snapshot.fraction(),
+                ..told.unwrap_or_default()
+            }),
+            Naming::Nothing => told,
         }
     }
 }

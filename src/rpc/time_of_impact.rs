@@ -15,7 +15,7 @@ use crate::{
 pub(super) fn answer(sent: &pb::TimeOfImpactRequest, scene: &Scene) -> Checked<pb::TimeOfImpactResponse> {
     let question = asked::time_of_impact(sent, &scene.session.geometries, &scene.snapshot)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (hits, work) =
-        scene.ask(|meter| scene.snapshot.time_of_impact(&question, &terms.filter, &terms.accuracy, meter))?;
-    Ok(pb::TimeOfImpactResponse { info: scene.info(&terms, &work), ..found::time_of_impact(&hits)? })
+    let (hits, account) =
+        scene.ask(&terms, |meter| scene.snapshot.time_of_impact(&question, &terms.filter, &terms.accuracy, meter))?;
+    Ok(pb::TimeOfImpactResponse { info: scene.info(&terms, account), ..found::time_of_impact(&hits)? })
 }

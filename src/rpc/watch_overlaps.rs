@@ -290,7 +290,8 @@ impl Messages {
     }
 
     fn next(&mut self) -> pb::WatchOverlapsResponse {
-        let pb::WatchOverlapsResponse { info, snapshot, merged_ticks, .. } = self.like;
+        let pb::WatchOverlapsResponse { ref info, snapshot, merged_ticks, .. } = self.like;
+        let info = info.clone();
         // A reader forgets what it knows once, at the first.
         self.like.snapshot = false;
         let lists = self.told.next(ROWS_OF_A_MESSAGE);

@@ -166,7 +166,7 @@ async fn send(answers: &Sent, mut shown: Shown, newest: &Snapshot, told_count: u
     let info = Some(pb::AnswerInfo { tick: newest.tick().get(), ..pb::AnswerInfo::default() });
     let mut snapshot = told_count == 0;
     loop {
-        let message = pb::WatchWorldResponse { info, snapshot, ..shown.next()? };
+        let message = pb::WatchWorldResponse { info: info.clone(), snapshot, ..shown.next()? };
         snapshot = false;
         let more = message.more;
         match timeout(READER_PATIENCE, answers.send(Ok(message))).await {

@@ -12,6 +12,7 @@ mod compounds;
 mod depenetrate;
 mod edit_stream;
 mod edits;
+mod explain;
 mod forks;
 mod forms;
 mod geometries;

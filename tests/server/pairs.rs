@@ -40,7 +40,7 @@ async fn they_ascend_and_say_what_was_read() {
     assert_eq!(parts.len(), 1);
     assert_eq!(ids(&parts[0]), [(1, 2), (1, 3)]);
     assert!(parts[0].verdicts.iter().all(|&verdict| verdict == i32::from(pb::Verdict::Hit)));
-    let info = parts[0].info.unwrap();
+    let info = parts[0].info.clone().unwrap();
     assert_eq!((info.tick, info.work.unwrap().shapes_tested), (2, 2));
     assert_eq!(bench.describe().await.question_count, 1);
 }
@@ -55,7 +55,7 @@ async fn the_filter_holds_for_both_shapes_and_an_empty_list_names_its_tick() {
     };
     assert_eq!(ids(&ask(&mut bench, without(3)).await.unwrap()[0]), [(1, 2)]);
     let parts = ask(&mut bench, without(1)).await.unwrap();
-    assert_eq!((parts.len(), ids(&parts[0]).len(), parts[0].info.unwrap().tick), (1, 0, 2));
+    assert_eq!((parts.len(), ids(&parts[0]).len(), parts[0].info.as_ref().unwrap().tick), (1, 0, 2));
 }
 
 #[tokio::test]
@@ -85,7 +85,7 @@ async fn a_long_list_comes_in_several_messages_and_one_that_is_too_long_is_refus
     let pairs: Vec<_> = parts.iter().flat_map(ids).collect();
     assert_eq!(pairs.len(), 400 * 399 / 2);
     assert!(pairs.is_sorted() && pairs.iter().all(|(a, b)| a < b));
-    assert!(parts.iter().all(|part| part.info.unwrap().tick == 2));
+    assert!(parts.iter().all(|part| part.info.as_ref().unwrap().tick == 2));
     bench.edit(vec![heap(3000)]).await.unwrap();
     let status = ask(&mut bench, pb::PairsRequest::default()).await.unwrap_err();
     assert_refused(&status, Code::ResourceExhausted, "QUOTA_EXCEEDED", "", &["4194304", "options.filter"]);

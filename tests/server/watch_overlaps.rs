@@ -52,7 +52,7 @@ fn lists(message: &Message) -> [Overlaps; 4] {
 }
 
 fn tick(message: &Message) -> u64 {
-    message.info.expect("it says what was read").tick
+    message.info.as_ref().expect("it says what was read").tick
 }
 
 /// A small ball on this side of the fence.

@@ -24,7 +24,7 @@ async fn next(messages: &mut Streaming<Message>) -> Message {
 }
 
 fn tick(message: &Message) -> u64 {
-    message.info.expect("it says what was read").tick
+    message.info.as_ref().expect("it says what was read").tick
 }
 
 /// Where shapes are drawn.

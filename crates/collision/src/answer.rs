@@ -160,6 +160,17 @@ impl Work {
     pub fn steps(&self) -> u64 {
         self.nodes_visited + self.shapes_tested + self.pairs_tested + self.iterations
     }
+
+    /// What was done since the counters showed `before`.
+    #[must_use]
+    pub fn since(&self, before: &Self) -> Self {
+        Self {
+            nodes_visited: self.nodes_visited - before.nodes_visited,
+            shapes_tested: self.shapes_tested - before.shapes_tested,
+            pairs_tested: self.pairs_tested - before.pairs_tested,
+            iterations: self.iterations - before.iterations,
+        }
+    }
 }
 
 impl std::ops::AddAssign for Work {

@@ -4,6 +4,7 @@ use super::{
     Filter, Found, Meter, QuestionError, ShapeId, Snapshot, Subject,
     filter::Sieve,
     hits::{Best, Hit, raise, verdict},
+    notes::Note,
     search::Side,
 };
 use crate::{
@@ -65,10 +66,14 @@ impl Distance {
     ) -> Option<Neighbor> {
         let least = distance_at_least(subject.bounds, other.bounds);
         if least > self.max_distance {
+            meter.note(|| Note::of_gap(subject, other, None, accuracy));
             return None;
         }
         let limit = self.max_distance;
-        let mut separation = narrow::distance_of(subject.placed, other.operand(), limit, accuracy, &mut meter.work)?;
+        let found = narrow::distance_of(subject.placed, other.operand(), limit, accuracy, &mut meter.work);
+        let certificate = || found.as_ref().map(|found| found.certificate);
+        meter.note(|| Note::of_gap(subject, other, certificate(), accuracy));
+        let mut separation = found?;
         raise(&mut separation.distance, &mut separation.certificate, least);
         Some(Neighbor { id: other.id(), user_data: other.user_data(), separation })
     }

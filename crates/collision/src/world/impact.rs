@@ -6,6 +6,7 @@ use super::{
     Filter, Found, HitMode, Meter, QuestionError, ShapeId, Snapshot, Subject,
     filter::Sieve,
     hits::{Gathered, Hit, raise},
+    notes::Note,
     search::{Side, outward},
 };
 use crate::{
@@ -117,7 +118,9 @@ impl TimeOfImpact {
             rotation_b,
             initial: self.initial,
         };
-        let mut touch = narrow::impact_of(subject.placed, other.operand(), &motion, accuracy, &mut meter.work)?;
+        let found = narrow::impact_of(subject.placed, other.operand(), &motion, accuracy, &mut meter.work);
+        meter.note(|| Note::of([subject.id(), other.id()], found.map(|touch| touch.certificate)));
+        let mut touch = found?;
         raise(&mut touch.fraction, &mut touch.certificate, least);
         let pierced = self.mode.pierces(other);
         Some(Impact { id: other.id(), user_data: other.user_data(), pierced, touch })
@@ -154,8 +157,13 @@ impl Snapshot {
         let mut gathered = Gathered::new(question.mode);
         if let Some(other) = self.against(question.against.as_ref())? {
             meter.look()?;
-            let least = question.least(&subject, &other);
-            let impact = least.and_then(|least| question.ask((&subject, &other), least, accuracy, meter));
+            let impact = match question.least(&subject, &other) {
+                Some(least) => question.ask((&subject, &other), least, accuracy, meter),
+                None => {
+                    meter.note(|| Note::of([subject.id(), other.id()], None));
+                    None
+                }
+            };
             gather(&mut gathered, impact);
             return Ok(gathered.finish());
         }

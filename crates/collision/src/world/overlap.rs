@@ -3,6 +3,7 @@
 use super::{
     Filter, Found, Meter, QuestionError, ShapeId, Snapshot, Subject,
     hits::{Best, Hit, verdict},
+    notes::Note,
     outline::Outline,
     search::Side,
 };
@@ -87,6 +88,7 @@ fn touch(
 ) -> Result<Option<OverlapHit>, QuestionError> {
     meter.look()?;
     let certificate = narrow::overlap_of(subject.placed, other.operand(), accuracy, &mut meter.work);
+    meter.note(|| Note::of([subject.id(), other.id()], Some(certificate)));
     Ok((certificate.verdict != Verdict::Miss).then(|| OverlapHit {
         id: other.id(),
         user_data: other.user_data(),

@@ -8,12 +8,13 @@ use smallvec::SmallVec;
 use super::{
     Filter, Found, Meter, QuestionError, ShapeId, Snapshot, Subject,
     hits::verdict,
+    notes::Note,
     outline::Outline,
     search::{Side, outward},
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Certificate, Feature},
+    answer::{Bound, Certificate, Feature, Verdict},
     narrow::{self, ContactPoint},
 };
 
@@ -76,14 +77,40 @@ impl Snapshot {
         for other in &others {
             meter.look()?;
             let contacts =
-                narrow::penetration(subject.placed, other.placed, question.max_gap, accuracy, &mut meter.work)
-                    .map_err(|_| QuestionError::NeedsDecomposition(other.id()))?;
+                narrow::penetration(subject.placed, other.placed, question.max_gap, accuracy, &mut meter.work);
+            meter.note(|| note(&subject, other, &contacts, accuracy));
+            let contacts = contacts.map_err(|_| QuestionError::NeedsDecomposition(other.id()))?;
             hits.extend(contacts.into_iter().map(|contact| of_shape(contact, other)));
         }
         hits.sort_by(deepest_first);
         let truncated = hits.len() > question.max_contacts;
         hits.truncate(question.max_contacts);
         Ok(Found { verdict: verdict(hits.iter().map(|hit| &hit.certificate)), hits, truncated })
+    }
+}
+
+/// What came of a pair: its deepest contact; of one that is refused, that nothing is decided.
+fn note(
+    subject: &Side<'_>,
+    other: &Side<'_>,
+    contacts: &Result<narrow::Contacts, narrow::NeedsDecomposition>,
+    accuracy: &Accuracy,
+) -> Note {
+    match contacts {
+        Ok(contacts) => {
+            let deepest = contacts.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
+            let Some(deepest) = deepest else {
+                let mut apart = Note::of_gap(subject, other, None, accuracy);
+                // A gap is a depth below 0.
+                let certificate = apart.certificate.as_mut();
+                certificate.into_iter().for_each(|it| it.bound = Bound::new(-it.bound.upper, -it.bound.lower));
+                return apart;
+            };
+            Note::of([subject.id(), other.id()], Some(deepest.certificate))
+        }
+        Err(narrow::NeedsDecomposition) => {
+            Note { verdict: Verdict::Undecided, ..Note::of([subject.id(), other.id()], None) }
+        }
     }
 }
 

@@ -3,7 +3,11 @@
 
 use std::sync::Arc;
 
-use super::{ShapeId, search::Side};
+use super::{
+    ShapeId,
+    notes::{Note, Notes},
+    search::Side,
+};
 use crate::{
     answer::{Verdict, Work},
     broad::Toll,
@@ -114,6 +118,8 @@ pub struct Meter<'a> {
     keep_going: &'a mut dyn FnMut() -> bool,
     units_until_check: u32,
     steps_max: u64,
+    /// What was done with each pair, if that is wanted.
+    notes: Option<&'a mut Notes>,
 }
 
 impl<'a> Meter<'a> {
@@ -122,7 +128,13 @@ impl<'a> Meter<'a> {
 
     /// A meter that asks `keep_going` about every 100 µs of work; `false` ends the question as interrupted.
     pub fn new(keep_going: &'a mut dyn FnMut() -> bool) -> Self {
-        Self { work: Work::default(), keep_going, units_until_check: Self::UNITS_BETWEEN_CHECKS, steps_max: u64::MAX }
+        Self {
+            work: Work::default(),
+            keep_going,
+            units_until_check: Self::UNITS_BETWEEN_CHECKS,
+            steps_max: u64::MAX,
+            notes: None,
+        }
     }
 
     /// Ends what takes more steps than this in all, with [`QuestionError::TooLong`]: nodes visited, shapes looked at, pairs of
@@ -132,13 +144,30 @@ impl<'a> Meter<'a> {
         Self { steps_max, ..self }
     }
 
+    /// Also notes what is done with each pair. That changes no answer, nor what is counted.
+    #[must_use]
+    pub fn noting(self, notes: &'a mut Notes) -> Self {
+        Self { notes: Some(notes), ..self }
+    }
+
     /// Counts a shape whose geometry is looked at.
     ///
     /// # Errors
     /// As [`Meter::spend`].
     pub(super) fn look(&mut self) -> Result<(), QuestionError> {
         self.work.shapes_tested += 1;
+        if let Some(notes) = &mut self.notes {
+            notes.begin(&self.work);
+        }
         self.spend()
+    }
+
+    /// Notes what came of the pair that was looked at last; `told` is asked only if that is wanted.
+    #[inline]
+    pub(super) fn note(&mut self, told: impl FnOnce() -> Note) {
+        if let Some(notes) = &mut self.notes {
+            notes.end(told(), &self.work);
+        }
     }
 
     /// Spends one unit.

@@ -6,6 +6,7 @@ use super::{
     Filter, Found, HitMode, Meter, QuestionError, ShapeId, Snapshot,
     filter::Sieve,
     hits::{Gathered, Hit, raise},
+    notes::Note,
 };
 use crate::{
     accuracy::Accuracy,
@@ -128,6 +129,10 @@ impl Snapshot {
             {
                 meter.look()?;
                 let touches = narrow::raycast_of(&aim, other.operand(), accuracy, &mut meter.work);
+                meter.note(|| {
+                    let first = touches.certain.or(touches.undecided);
+                    Note::of([None, Some(id)], first.map(|touch| touch.certificate))
+                });
                 let hit = |mut touch: RayTouch| {
                     raise(&mut touch.distance, &mut touch.certificate, least);
                     RayHit { id, user_data: other.user_data(), pierced: question.mode.pierces(&other), touch }

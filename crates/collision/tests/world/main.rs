@@ -14,6 +14,7 @@ mod history_bounds;
 mod history_readers;
 mod laziness;
 mod model;
+mod notes;
 mod pair_changes;
 mod pairs;
 mod pierce;

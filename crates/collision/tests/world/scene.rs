@@ -128,9 +128,13 @@ pub(crate) enum Question {
 
 /// Its answer, bit by bit: `Debug` prints floats so that they read back as the same.
 pub(crate) fn ask(snapshot: &Snapshot, question: &Question, filter: &Filter) -> String {
-    let accuracy = Accuracy::default();
     let mut go_on = || true;
-    let meter = &mut Meter::new(&mut go_on);
+    ask_by(&mut Meter::new(&mut go_on), snapshot, question, filter)
+}
+
+/// The same by a meter at hand.
+pub(crate) fn ask_by(meter: &mut Meter<'_>, snapshot: &Snapshot, question: &Question, filter: &Filter) -> String {
+    let accuracy = Accuracy::default();
     match question {
         Question::Raycast(question) => format!("{:?}", snapshot.raycast(question, filter, &accuracy, meter)),
         Question::Overlap(question) => format!("{:?}", snapshot.overlap(question, filter, &accuracy, meter)),

@@ -17,7 +17,7 @@ pub(super) use candidates::want_each_other;
 pub use keeper::PairKeeper;
 pub use since::{PairChanges, Persisted};
 
-use super::{Filter, Meter, QuestionError, ShapeId, Snapshot, search::Side};
+use super::{Filter, Meter, QuestionError, ShapeId, Snapshot, notes::Note, search::Side};
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Verdict},
@@ -121,6 +121,7 @@ impl<'a> Judge<'a> {
         meter.look()?;
         let (a, b) = if candidates::id_of(a) < candidates::id_of(b) { (a, b) } else { (b, a) };
         let certificate = narrow::overlap(a.placed, b.placed, self.accuracy, &mut meter.work);
+        meter.note(|| Note::of([a.id(), b.id()], Some(certificate)));
         self.judged_count += 1;
         if certificate.verdict != Verdict::Miss {
             self.found.push(Pair { a: candidates::id_of(a), b: candidates::id_of(b), certificate });

@@ -1,0 +1,128 @@
+//! What a question notes of itself changes nothing, adds up, and is all that its answer depends on.
+
+use collision::{
+    answer::{Verdict, Work},
+    world::{Meter, Note, Notes, Snapshot, Subject},
+};
+
+use crate::{
+    determinism::FRAMES,
+    random::Random,
+    scene::{Question, ask, ask_by, random_filter, random_questions, random_shapes, world_of},
+};
+
+/// Its answer, what it noted, at most `most`, and what it cost.
+fn noted(
+    world: &Snapshot,
+    question: &Question,
+    filter: &collision::world::Filter,
+    most: usize,
+) -> (String, Notes, Work) {
+    let mut go_on = || true;
+    let mut notes = Notes::new(most);
+    let mut meter = Meter::new(&mut go_on).noting(&mut notes);
+    let answer = ask_by(&mut meter, world, question, filter);
+    let work = meter.work;
+    (answer, notes, work)
+}
+
+fn subject_of(question: &Question) -> Option<&Subject> {
+    match question {
+        Question::Raycast(_) => None,
+        Question::Overlap(question) => Some(&question.subject),
+        Question::Penetration(question) => Some(&question.subject),
+        Question::TimeOfImpact(question) => Some(&question.subject),
+        Question::Distance(question) => Some(&question.subject),
+    }
+}
+
+fn sum(notes: &[Note]) -> Work {
+    notes.iter().fold(Work::default(), |mut all, note| {
+        all += note.work;
+        all
+    })
+}
+
+#[test]
+fn notes_change_no_answer_and_name_all_that_it_depends_on() {
+    let mut random = Random::new(77);
+    let (mut apart, mut touching, mut smaller) = (0, 0, 0);
+    for scene in 0..6 {
+        let frame = FRAMES[scene % 3];
+        let shapes = random_shapes(&mut random, frame, 60);
+        let world = world_of(shapes.clone()).newest();
+        for _ in 0..40 {
+            let filter = random_filter(&mut random);
+            for question in random_questions(&mut random, frame, shapes.len() as u64) {
+                let plain = ask(&world, &question, &filter);
+                let (answer, notes, work) = noted(&world, &question, &filter, usize::MAX);
+                assert_eq!(plain, answer, "{question:?}");
+                assert_eq!(notes.list.len() as u64, work.shapes_tested, "{question:?}");
+                let of_pairs = sum(&notes.list);
+                assert_eq!(of_pairs.pairs_tested, work.pairs_tested, "what kernels do is done for some pair");
+                assert_eq!(of_pairs.iterations, work.iterations);
+                assert!(of_pairs.nodes_visited <= work.nodes_visited);
+
+                let mut named: Vec<_> = notes.list.iter().filter_map(|note| note.id).collect();
+                if let Some(Subject::Shape { id, .. }) = subject_of(&question) {
+                    named.push(*id);
+                }
+                let few = world_of(shapes.iter().filter(|shape| named.contains(&shape.id)).cloned()).newest();
+                smaller += usize::from(few.len() < world.len());
+                assert_eq!(plain, ask(&few, &question, &filter), "{question:?} of {named:?} alone");
+                apart += notes.list.iter().filter(|note| note.verdict == Verdict::Miss).count();
+                touching += notes.list.iter().filter(|note| note.verdict == Verdict::Hit).count();
+            }
+        }
+    }
+    assert!(smaller > 1000 && apart > 1000 && touching > 1000, "vacuous: {smaller}, {apart}, {touching}");
+}
+
+/// The first are kept, the others counted.
+#[test]
+fn no_more_notes_are_kept_than_asked_for() {
+    let mut random = Random::new(78);
+    let frame = FRAMES[0];
+    let shapes = random_shapes(&mut random, frame, 80);
+    let world = world_of(shapes).newest();
+    let filter = collision::world::Filter::default();
+    let mut cut = 0;
+    for _ in 0..20 {
+        for question in random_questions(&mut random, frame, 80) {
+            let (answer, all, work) = noted(&world, &question, &filter, usize::MAX);
+            let (same, some, same_work) = noted(&world, &question, &filter, 2);
+            assert_eq!((answer, work), (same, same_work));
+            assert_eq!(some.list.len() as u64 + some.left_out_count, all.list.len() as u64);
+            let ids = |notes: &Notes| notes.list.iter().take(2).map(|note| note.id).collect::<Vec<_>>();
+            assert_eq!(ids(&some), ids(&all));
+            cut += usize::from(some.left_out_count > 0);
+        }
+    }
+    assert!(cut > 20, "vacuous: {cut}");
+}
+
+/// Of two that are proved apart, how far apart they are at least is above what was asked.
+#[test]
+fn what_is_proved_apart_is_measured() {
+    let mut random = Random::new(79);
+    let mut measured = 0;
+    let frame = FRAMES[0];
+    let world = world_of(random_shapes(&mut random, frame, 80)).newest();
+    for _ in 0..200 {
+        for question in random_questions(&mut random, frame, 80) {
+            let (least, sign) = match &question {
+                Question::Distance(question) => (question.max_distance, 1.0),
+                Question::Penetration(question) if question.max_gap == 0.0 => (0.0, -1.0),
+                Question::Penetration(_) => continue,
+                Question::Raycast(_) | Question::Overlap(_) | Question::TimeOfImpact(_) => continue,
+            };
+            let (_, notes, _) = noted(&world, &question, &collision::world::Filter::default(), usize::MAX);
+            for note in notes.list.iter().filter(|note| note.verdict == Verdict::Miss) {
+                let bound = note.certificate.expect("two forms are some way apart").bound;
+                assert!(sign * bound.lower > least || sign * bound.upper > least, "{bound:?} of {question:?}");
+                measured += 1;
+            }
+        }
+    }
+    assert!(measured > 100, "vacuous: {measured}");
+}
