@@ -90,7 +90,10 @@ impl Building {
     }
 
     /// Cuts it. Takes seconds to minutes.
-    fn cut(&self, drain: &CancellationToken) -> Checked<Geometry> {
+    ///
+    /// # Errors
+    /// It was called off.
+    pub(crate) fn cut(&self, drain: &CancellationToken) -> Checked<Geometry> {
         let Form::Mesh(mesh) = self.mesh.form() else {
             return Err(Problem::new(Reason::Internal, "what is to be cut is no mesh"));
         };
@@ -144,8 +147,11 @@ impl Workshop {
         });
     }
 
-    /// The geometry, found or cut.
-    fn made(&self, building: &Building) -> Checked<Arc<Geometry>> {
+    /// The geometry, found or cut here and now, which takes seconds to minutes.
+    ///
+    /// # Errors
+    /// It was called off.
+    pub(crate) fn made(&self, building: &Building) -> Checked<Arc<Geometry>> {
         if let Some(known) = self.made.lock().get(&building.id).and_then(Weak::upgrade) {
             return Ok(known);
         }

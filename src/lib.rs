@@ -9,6 +9,7 @@
 pub mod config;
 pub mod observe;
 mod past;
+pub mod replay;
 pub mod serve;
 
 mod building;

@@ -87,7 +87,8 @@ impl Writer {
         Ok(Self::of(fenced("copying a world", || World::fork(snapshot))?))
     }
 
-    fn of(world: World) -> Self {
+    /// The writer of a world.
+    pub(crate) fn of(world: World) -> Self {
         Self { world, retries: RetryCache::default(), quarantine: None, named: HashMap::new() }
     }
 

@@ -116,7 +116,7 @@ fn vector(sent: Option<pb::Vec3>) -> DVec3 {
 }
 
 /// With the rounding and the scale that were sent.
-fn dressed(geometry: Geometry, sent: &pb::Geometry) -> Checked<Geometry> {
+pub(super) fn dressed(geometry: Geometry, sent: &pb::Geometry) -> Checked<Geometry> {
     let geometry = match sent.rounding == 0.0 {
         true => geometry,
         false => made("", geometry.rounded(sent.rounding))?,
@@ -140,14 +140,7 @@ fn is_one(scale: f64) -> bool {
 }
 
 fn triangles(mesh: &pb::TriangleMesh) -> Checked<Geometry> {
-    let mode = match pb::MeshMode::try_from(mesh.mode) {
-        Ok(pb::MeshMode::Unspecified | pb::MeshMode::TwoSided) => MeshMode::TwoSided,
-        Ok(pb::MeshMode::OneSided) => MeshMode::OneSided,
-        Ok(pb::MeshMode::Solid) => MeshMode::Solid,
-        Err(_) => {
-            return Err(unknown_enum("mode", mesh.mode, "MESH_MODE_TWO_SIDED (1), ONE_SIDED (2), SOLID (3)"));
-        }
-    };
+    let mode = mode_of(mesh)?;
     if mesh.decompose.is_some() {
         let what = "is asked of a mesh that is written in place: register it with CreateGeometry, and name its id here";
         return Err(Problem::at("decompose", Reason::BadGeometry, what));
@@ -159,6 +152,19 @@ fn triangles(mesh: &pb::TriangleMesh) -> Checked<Geometry> {
         return Err(Problem::at("indices", Reason::ColumnLength, what));
     }
     made("", Geometry::mesh_as(mode, &vertices, indices))
+}
+
+/// The mode of a mesh.
+///
+/// # Errors
+/// There is no such mode.
+pub(super) fn mode_of(mesh: &pb::TriangleMesh) -> Checked<MeshMode> {
+    match pb::MeshMode::try_from(mesh.mode) {
+        Ok(pb::MeshMode::Unspecified | pb::MeshMode::TwoSided) => Ok(MeshMode::TwoSided),
+        Ok(pb::MeshMode::OneSided) => Ok(MeshMode::OneSided),
+        Ok(pb::MeshMode::Solid) => Ok(MeshMode::Solid),
+        Err(_) => Err(unknown_enum("mode", mesh.mode, "MESH_MODE_TWO_SIDED (1), ONE_SIDED (2), SOLID (3)")),
+    }
 }
 
 /// A mode as it was sent.

@@ -46,6 +46,19 @@ pub(crate) fn to_register(sent: &pb::Geometry, known: &Geometries) -> Checked<To
     Ok(ToRegister::ToCut(registrable(&bare, known)?, options))
 }
 
+impl ToRegister {
+    /// A mesh that was made already, and what was sent of it.
+    ///
+    /// # Errors
+    /// What is wrong with what is asked of its parts.
+    pub(super) fn of_mesh(mesh: Geometry, sent: &pb::TriangleMesh) -> Checked<Self> {
+        match &sent.decompose {
+            None => Ok(Self::Whole(mesh)),
+            Some(asked) => Ok(Self::ToCut(mesh, options(asked).under("mesh.decompose")?)),
+        }
+    }
+}
+
 fn options(asked: &pb::Decompose) -> Checked<Options> {
     let max_parts = count("max_parts", asked.max_parts, PARTS_USUAL as usize, PARTS_MAX as usize)?;
     let max_error = asked.max_error;

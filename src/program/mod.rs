@@ -1,13 +1,16 @@
 //! What the program understands: its commands, its exit codes, and how it says that something went wrong.
 
+mod account;
 mod ask;
 mod demo;
+mod explain;
 mod input;
 mod json;
 mod load;
 mod mesh_file;
 mod play;
 mod print;
+mod replay_file;
 mod serve;
 mod target;
 mod trace;
@@ -46,6 +49,8 @@ enum Command {
     Overlap(ask::Overlap),
     /// Says what a world holds, what was built for it, and what that costs
     Describe(ask::Describe),
+    /// Asks a question again that was kept in a file, and tells what was done
+    Explain(explain::Explain),
 }
 
 /// Why a command failed, as one sentence for people.
@@ -80,6 +85,7 @@ pub(crate) fn run() -> ExitCode {
             Command::Raycast(command) => command.run(&mut out).await,
             Command::Overlap(command) => command.run(&mut out).await,
             Command::Describe(command) => command.run(&mut out).await,
+            Command::Explain(command) => command.run(&mut out).await,
         }
     });
     match done {

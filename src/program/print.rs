@@ -87,7 +87,7 @@ pub(crate) fn count(count: u64, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
-fn word(verdict: Verdict) -> &'static str {
+pub(crate) fn word(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Hit => "hit",
         Verdict::Miss => "miss",
@@ -119,13 +119,13 @@ fn interval(certificate: Option<&proto::Certificate>) -> String {
 }
 
 /// Six decimals at most, and no more than there are.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-fn vector(vector: Option<proto::Vec3>) -> String {
+pub(crate) fn vector(vector: Option<proto::Vec3>) -> String {
     let proto::Vec3 { x, y, z } = vector.unwrap_or_default();
     format!("({}, {}, {})", number(x), number(y), number(z))
 }

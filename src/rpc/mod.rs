@@ -12,6 +12,7 @@ mod distance_batch;
 mod download;
 mod edit;
 mod edit_stream;
+mod explain;
 mod fork_session;
 mod geometries;
 mod geometry;
@@ -49,6 +50,8 @@ use tokio_stream::Stream;
 use tokio_util::sync::CancellationToken;
 use tonic::{Request, Status, service::Routes};
 use wire::v1 as pb;
+
+pub(crate) use explain::{FORMAT as REPLAY_FORMAT, ask_again};
 
 use crate::{
     building::Workshop,

@@ -14,6 +14,7 @@ use wire::v1 as pb;
 use super::{
     Caller, Server,
     account::{Account, PAIRS_TOLD},
+    explain::{SHAPES, Touched},
     fitting,
 };
 use crate::{
@@ -72,6 +73,8 @@ pub(super) struct Scene {
     /// What applies to each question that does not say otherwise.
     pub(super) shared: Terms,
     pub(super) naming: Naming,
+    /// Where shapes that questions look at are noted, if they are.
+    pub(super) touched: Option<Touched>,
 }
 
 impl Scene {
@@ -102,7 +105,27 @@ impl Scene {
             deadline: caller.deadline,
             shared: Terms::default(),
             naming: Naming::Tick,
+            touched: None,
         })
+    }
+
+    /// The newest version of a session's world, for whoever holds the session.
+    pub(super) fn of_newest(session: Arc<Session>) -> Self {
+        Self {
+            snapshot: session.newest(),
+            session,
+            deadline: Deadline::default(),
+            shared: Terms::default(),
+            naming: Naming::Tick,
+            touched: None,
+        }
+    }
+
+    /// The same where all questions tell what they do, and where the shapes that they look at are noted.
+    pub(super) fn explained(self) -> (Self, Touched) {
+        let touched = Touched::default();
+        let shared = Terms { explain: true, ..self.shared };
+        (Self { shared, touched: Some(touched.clone()), ..self }, touched)
     }
 
     /// Asks, with a meter that stops at the deadline; notes what is done if the terms say so.
@@ -115,19 +138,23 @@ impl Scene {
         asked: impl FnOnce(&mut Meter<'_>) -> Result<Found<H>, QuestionError>,
     ) -> Checked<(Found<H>, Account)> {
         let mut keep_going = || self.deadline.is_ahead();
-        let mut notes = terms.explain.then(|| Notes::new(PAIRS_TOLD));
+        let most = if self.touched.is_some() { SHAPES } else { PAIRS_TOLD };
+        let mut notes = terms.explain.then(|| Notes::new(most));
         let mut meter = Meter::new(&mut keep_going).with_limit(QUESTION_STEPS);
         if let Some(notes) = &mut notes {
             meter = meter.noting(notes);
         }
-        let found = fenced("answering a question", || asked(&mut meter))?;
-        let found = found.map_err(|error| answer::refused(&error, self.snapshot.tick()))?;
+        let found = fenced("answering a question", || asked(&mut meter));
+        let work = meter.work;
+        if let (Some(touched), Some(notes)) = (&self.touched, &notes) {
+            touched.add(notes);
+        }
+        let found = found?.map_err(|error| answer::refused(&error, self.snapshot.tick()))?;
         let counters = &self.session.counters;
         counters.questions.fetch_add(1, Ordering::Relaxed);
         if found.verdict == Verdict::Undecided {
             counters.undecided.fetch_add(1, Ordering::Relaxed);
         }
-        let work = meter.work;
         Ok((found, Account::of(work, notes.as_ref())?))
     }
 

@@ -14,6 +14,7 @@ use wire::v1::{self as pb, geometry::Kind, geometry_piece::Piece};
 use super::{Caller, Server, geometry::register};
 use crate::{
     compute::{self, Weight},
+    convert::archive::{INDICES, VALUES},
     gate::the_api_says,
     problem::{Checked, Problem, Reason, Under},
     session::Session,
@@ -22,10 +23,6 @@ use crate::{
 
 /// A client that sends no piece for so long is given up.
 const WRITER_PATIENCE: Duration = Duration::from_secs(30);
-/// Most numbers of a geometry: three coordinates for each corner of the largest mesh.
-const VALUES: u64 = 36_000_000;
-/// Most indices of a geometry: three for each triangle of the largest mesh.
-const INDICES: u64 = 12_000_000;
 /// Room that is made before the numbers are there; what is only promised takes none.
 const ROOM: usize = 1 << 18;
 
@@ -46,7 +43,7 @@ pub(super) async fn answer(
     let _lease = session.lease.hold();
     let header = match first.piece.and_then(|piece| piece.piece) {
         Some(Piece::Header(header)) => header,
-        Some(Piece::Chunk(_)) => return Err(no_header("the first message has a chunk").into()),
+        Some(Piece::Chunk(_) | Piece::Exact(_)) => return Err(no_header("the first message has a chunk").into()),
         None => return Err(no_header("the first message has none").into()),
     };
     let mut upload = Upload::begin(header).under("piece.header")?;
@@ -144,6 +141,10 @@ impl Upload {
             Some(Piece::Header(_)) => {
                 let what = "comes a second time: an upload is of one geometry";
                 return Err(Problem::at("piece.header", Reason::BadGeometry, what));
+            }
+            Some(Piece::Exact(_)) => {
+                let what = "belongs to exports: send chunks, such as {\"chunk\": {\"values\": [0, 0, 0]}}";
+                return Err(Problem::at("piece.exact", Reason::BadGeometry, what));
             }
             None => {
                 let what = "is absent: after the header come chunks, such as {\"chunk\": {\"values\": [0, 0, 0]}}";

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
-use super::{Server, describe_world, edit, edit_stream, later, list_shapes, update_world, watch_overlaps, watch_world};
+use super::{
+    Server, describe_world, edit, edit_stream, explain, later, list_shapes, update_world, watch_overlaps, watch_world,
+};
 
 /// `WorldService`.
 #[derive(Clone, Debug)]
@@ -67,6 +69,10 @@ impl pb::world_service_server::WorldService for Worlds {
         request: Request<pb::WatchWorldRequest>,
     ) -> Result<Response<Self::WatchWorldStream>, Status> {
         watch_world::open(&self.0, request)
+    }
+
+    async fn explain(&self, request: Request<pb::ExplainRequest>) -> Result<Response<pb::ExplainResponse>, Status> {
+        explain::answer(&self.0, request).await
     }
 
     type ExportWorldStream = super::Answers<pb::ExportWorldResponse>;

@@ -3,6 +3,7 @@
 mod arguments;
 mod binary;
 mod demo;
+mod explain;
 mod load;
 mod play;
 mod resume;

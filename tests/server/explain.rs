@@ -18,7 +18,7 @@ async fn row() -> Bench {
 }
 
 /// One question of each kind, which looks at several shapes.
-fn questions() -> Vec<Asked> {
+pub(crate) fn questions() -> Vec<Asked> {
     let ball = |x: f64| Some(subject(sphere(1.2), at(x, 0.0, 0.0)));
     vec![
         Asked::Raycast(pb::RaycastRequest {
@@ -43,7 +43,7 @@ fn questions() -> Vec<Asked> {
     ]
 }
 
-fn options_of(asked: &mut Asked) -> &mut Option<pb::QueryOptions> {
+pub(crate) fn options_of(asked: &mut Asked) -> &mut Option<pb::QueryOptions> {
     match asked {
         Asked::Raycast(it) => &mut it.options,
         Asked::Overlap(it) => &mut it.options,
@@ -66,7 +66,7 @@ fn info_of(answer: &mut Kind) -> &mut Option<pb::AnswerInfo> {
     }
 }
 
-async fn ask(bench: &mut Bench, asked: Asked) -> Kind {
+pub(crate) async fn ask(bench: &mut Bench, asked: Asked) -> Kind {
     let question = pb::Question { question: Some(asked) };
     let request = pb::BatchRequest { questions: vec![question], ..pb::BatchRequest::default() };
     let answers = bench.questions.batch(request).await.unwrap().into_inner().answers;

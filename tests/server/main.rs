@@ -28,6 +28,7 @@ mod port;
 mod query_stream;
 mod questions;
 mod reading;
+mod replays;
 mod resolve;
 mod sessions;
 mod stand_ins;

@@ -91,6 +91,8 @@ calls_of_the_session! {
     list_shapes = world.list_shapes(ListShapesRequest) -> ListShapesResponse;
     /// Says what the world holds, what was built for it, and what that costs.
     describe_world = world.describe_world(DescribeWorldRequest) -> DescribeWorldResponse;
+    /// Answers a question and returns all that the answer depends on, to be kept in a file for `calipers explain`.
+    explain = world.explain(ExplainRequest) -> ExplainResponse;
     /// Changes settings of the world; those left out stay.
     update_world = world.update_world(UpdateWorldRequest) -> UpdateWorldResponse;
     /// Registers a geometry that fits into one message.

@@ -220,6 +220,7 @@ edit_streams_alone! {
     update_world(proto::UpdateWorldRequest) -> proto::UpdateWorldResponse;
     watch_overlaps(proto::WatchOverlapsRequest) -> Self::WatchOverlapsStream;
     watch_world(proto::WatchWorldRequest) -> Self::WatchWorldStream;
+    explain(proto::ExplainRequest) -> proto::ExplainResponse;
     export_world(proto::ExportWorldRequest) -> Self::ExportWorldStream;
     import_world(Streaming<proto::ImportWorldRequest>) -> proto::ImportWorldResponse;
 }

@@ -136,6 +136,43 @@ impl World {
         Self::of(snapshot.state().clone(), tick, time, settings, means)
     }
 
+    /// A world that holds these shapes at a tick, and nothing of what was before it. Of shapes with the same id the last
+    /// stays. The cost is that of inserting them.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use collision::{math::Pose, shape::Geometry, world::{Means, Settings, Shape, ShapeId, Tick, Time, World}};
+    /// let ball = Shape::new(ShapeId::MIN, Arc::new(Geometry::sphere(1.0)?), Pose::IDENTITY);
+    /// let tick = Tick::new(57).unwrap();
+    /// let world = World::holding([ball], tick, Time(9), Settings::default(), Means::default()).newest();
+    /// assert_eq!((world.len(), world.tick(), world.oldest_tick()), (1, tick, tick));
+    /// # Ok::<(), collision::shape::GeometryError>(())
+    /// ```
+    #[must_use]
+    pub fn holding(
+        shapes: impl IntoIterator<Item = Shape>,
+        tick: Tick,
+        time: Time,
+        settings: Settings,
+        means: Means,
+    ) -> Self {
+        let mut state = State::default();
+        state.margin = settings.margin;
+        let mut changes = Changes::unkept();
+        for shape in shapes {
+            let inserted = state.apply(Edit::Insert(shape), &mut changes);
+            debug_assert!(inserted.is_ok(), "an insert needs no shape to be there");
+        }
+        state.moving.settle();
+        Self::of(state, tick, time, settings, means)
+    }
+
+    /// What it may use.
+    #[must_use]
+    pub fn means(&self) -> Means {
+        self.newest.means
+    }
+
     fn of(mut state: State, tick: Tick, time: Time, settings: Settings, means: Means) -> Self {
         state.margin = settings.margin;
         state.fixed_ledger = Arc::new(Ledger::new(means.clock));
