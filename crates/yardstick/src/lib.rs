@@ -4,7 +4,7 @@
 //! # Map
 //! [`sets`] reads a folder of query sets; [`oracle`] knows what is true, slowly;
 //! [`check`] asks, compares and reports; [`coverage`] does so for random pairs;
-//! [`ladder`] measures what stands in for geometries; [`scene`] makes worlds for benches.
+//! [`ladder`] measures what stands in for geometries; [`scene`] makes worlds for benches, [`scenes`] has the named ones.
 //!
 //! # Never
 //! The oracle never knows the kernels; nothing here knows the server's insides.
@@ -14,4 +14,5 @@ pub mod coverage;
 pub mod ladder;
 pub mod oracle;
 pub mod scene;
+pub mod scenes;
 pub mod sets;
