@@ -1,12 +1,14 @@
 //! Calipers beside parry3d on the same work in one run: `--only PREFIX` chooses rows, `--json FILE` keeps the figures.
 //!
 //! `benches/README.md` says what is measured and how to read it. `rows.rs` lists the rows; `worlds` measures those of
-//! part A (worlds of many shapes) and `pairs` those of part B (pairs of convex shapes). `timing.rs` takes the times,
-//! `errors.rs` compares the answers and `report.rs` writes table and JSON.
+//! part A (worlds of many shapes), `pairs` those of part B (pairs of convex shapes) and `meshes` those of part C (triangle
+//! meshes). `timing.rs` takes the times, `errors.rs` compares the answers and `report.rs` writes table and JSON.
 
 mod dice;
 mod errors;
+mod files;
 mod forms;
+mod meshes;
 mod pairs;
 mod report;
 mod rows;
@@ -57,6 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     worlds::measure(&rows, &mut done)?;
     pairs::measure(&rows, arguments.pairs as usize, &mut done)?;
+    meshes::measure(&rows, &mut done)?;
     report::write_summary(&mut out, &outcomes)?;
     if let Some(file) = json {
         let mut writer = BufWriter::new(file);

@@ -1,6 +1,6 @@
 //! The rows there are: their ids, and the ratio to parry3d that each is to reach. Each part lists its own.
 
-use crate::{pairs, worlds};
+use crate::{meshes, pairs, worlds};
 
 /// A row of the table.
 #[derive(Clone, Debug)]
@@ -17,12 +17,14 @@ pub(crate) struct Row {
 pub(crate) enum Task {
     World(worlds::Task),
     Pair(pairs::Question),
+    Mesh(meshes::Task),
 }
 
 /// All rows, those of worlds for each of these numbers of shapes.
 pub(crate) fn all(shape_counts: &[u32]) -> Vec<Row> {
     let mut rows = worlds::rows(shape_counts);
     rows.extend(pairs::rows());
+    rows.extend(meshes::rows());
     rows
 }
 
@@ -49,12 +51,13 @@ mod tests {
     #[test]
     fn a_prefix_chooses_its_rows_and_an_unknown_one_is_told_what_there_is() {
         let count = |prefix| beginning_with(prefix, &USUAL).map(|rows| rows.len());
-        assert_eq!(count(""), Ok(36 + 48));
+        assert_eq!(count(""), Ok(36 + 48 + 10));
         assert_eq!(count("A/"), Ok(36));
         assert_eq!(count("A/ray-1000m"), Ok(6));
         assert_eq!(count("B/"), Ok(48));
         assert_eq!(count("B/hull8/"), Ok(8));
         assert_eq!(count("B/box-box/distance"), Ok(2));
+        assert_eq!(count("C/nav_test/"), Ok(5));
         let error = count("B/torus").expect_err("there is none");
         assert!(error.contains("B/torus") && error.contains("B/hull128/impact-rotating"), "{error}");
     }
@@ -70,5 +73,7 @@ mod tests {
         assert_eq!(goal("A/ray-1000m-after-moves/100k"), Some(Some(0.323)));
         assert_eq!(goal("A/pairs/10k"), Some(Some(0.862)));
         assert_eq!(goal("A/pairs/1m"), Some(None));
+        assert_eq!(goal("C/dungeon-like/ray"), Some(Some(0.567)));
+        assert_eq!(goal("C/nav_test/overlap-capsule"), Some(Some(0.517)));
     }
 }

@@ -3,11 +3,13 @@
 //! `CALIPERS_DATA` names the folder of data (`../shared/data` from the workspace, if it is not set). Errors of all are certified by
 //! `collision::decompose::measure`, as parts of the diagonal of the mesh's box; V-HACD itself states none.
 
+#[path = "../files.rs"]
+mod files;
+
 use std::{
-    env, fs,
     io::{self, Write},
     ops::ControlFlow,
-    path::{Path, PathBuf},
+    path::Path,
     time::Duration,
 };
 
@@ -16,6 +18,7 @@ use collision::{
     decompose::{self, Errors, Options, Progress},
     shape::{Convex, Core, Form, Geometry, Mesh},
 };
+use files::obj;
 use parry3d::{
     math::Vector,
     transformation::vhacd::{VHACD, VHACDParameters},
@@ -31,8 +34,7 @@ const BUDGET: u64 = 1 << 30;
 const MESHES: [&str; 4] = ["teddy", "spot", "not_convex", "featuretype"];
 
 fn main() -> io::Result<()> {
-    let folder = env::var_os("CALIPERS_DATA").map_or_else(|| "../shared/data".into(), PathBuf::from);
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder).join("mesh");
+    let folder = files::folder();
     let mut out = io::stdout();
     writeln!(
         out,
@@ -142,29 +144,6 @@ fn timed<Made>(work: impl FnOnce() -> Made) -> (Made, Duration) {
     let start = now();
     let made = work();
     (made, now() - start)
-}
-
-/// Vertices, rounded to f32 as the format of the data says, and triangles.
-fn obj(path: &Path) -> io::Result<(Vec<DVec3>, Vec<[u32; 3]>)> {
-    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-    for line in fs::read_to_string(path)?.lines() {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                let numbers: Vec<f32> = words.filter_map(|word| word.parse().ok()).collect();
-                let &[x, y, z, ..] = numbers.as_slice() else { return Err(io::Error::other("a vertex has 3 numbers")) };
-                vertices.push(DVec3::new(f64::from(x), f64::from(y), f64::from(z)));
-            }
-            Some("f") => {
-                let corner = |word: &str| word.split('/').next().and_then(|index| index.parse::<u32>().ok());
-                let corners: Vec<u32> = words.filter_map(corner).collect();
-                let &[a, b, c] = corners.as_slice() else { return Err(io::Error::other("a triangle has 3 corners")) };
-                triangles.push([a - 1, b - 1, c - 1]);
-            }
-            _ => {}
-        }
-    }
-    Ok((vertices, triangles))
 }
 
 /// The published parts, each a connected surface, turned by half a turn about y, moved and scaled so that their box fits that of the

@@ -22,7 +22,7 @@ use workload::Workload;
 pub(crate) fn measure(rows: &[Row], mut done: impl FnMut(Outcome) -> io::Result<()>) -> io::Result<()> {
     let tasks = rows.iter().filter_map(|row| match row.task {
         AnyTask::World(task) => Some((row, task)),
-        AnyTask::Pair(_) => None,
+        AnyTask::Pair(_) | AnyTask::Mesh(_) => None,
     });
     let tasks: Vec<(&Row, Task)> = tasks.collect();
     let mut shape_counts: Vec<u32> = tasks.iter().map(|(_, task)| task.shape_count).collect();
