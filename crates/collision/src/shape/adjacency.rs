@@ -1,4 +1,11 @@
 //! Which triangles of a mesh share an edge.
+//!
+//! # Method
+//! Sides are counted into a list for each vertex, which is short; each list is then sorted by the other end.
+
+use smallvec::SmallVec;
+
+use super::topology::index_u32;
 
 /// Neighbours of triangles. The side `k` of a triangle goes from its corner `k` to the next.
 #[derive(Clone, Debug)]
@@ -14,42 +21,52 @@ pub struct Adjacency {
 }
 
 impl Adjacency {
-    pub(super) fn new(triangles: &[[u32; 3]]) -> Self {
-        let ends = |side: u32| {
-            let triangle = triangles[side as usize / 3];
-            let (a, b) = (triangle[side as usize % 3], triangle[(side as usize + 1) % 3]);
-            (a.min(b), a.max(b))
-        };
-        let mut sides: Vec<u32> = (0..).take(3 * triangles.len()).collect();
-        sides.sort_unstable_by_key(|&side| (ends(side), side));
+    pub(super) fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Self {
+        let side_count = 3 * triangles.len();
+        let ends = ends_of_lists(vertex_count, triangles);
+        let mut lists = lists_of_sides(&ends, triangles);
         let mut adjacency = Self {
-            first_of_edge: vec![0; sides.len()],
-            sides,
+            sides: Vec::with_capacity(side_count),
+            first_of_edge: vec![0; side_count],
             open_edges: 0,
             non_manifold_edges: 0,
-            duplicate_triangles: duplicates(triangles),
+            duplicate_triangles: 0,
             uneven_side: None,
         };
         let mut begin = 0;
-        while begin < adjacency.sides.len() {
-            let edge = ends(adjacency.sides[begin]);
-            let count = adjacency.sides[begin..].iter().take_while(|&&side| ends(side) == edge).count();
-            let is_up = |side: u32| {
-                let triangle = triangles[side as usize / 3];
-                triangle[side as usize % 3] < triangle[(side as usize + 1) % 3]
-            };
-            let ups = adjacency.sides[begin..begin + count].iter().filter(|&&side| is_up(side)).count();
-            if 2 * ups != count && adjacency.uneven_side.is_none() {
-                adjacency.uneven_side = Some(adjacency.sides[begin]);
+        for end in ends {
+            let mut list = &mut lists[begin..end as usize];
+            sort(list);
+            while let Some(first) = list.first() {
+                let higher = first.higher();
+                let count = list.iter().position(|side| side.higher() != higher).unwrap_or(list.len());
+                let (edge, rest) = list.split_at_mut(count);
+                adjacency.add_edge(edge, triangles);
+                list = rest;
             }
-            for &side in &adjacency.sides[begin..begin + count] {
-                adjacency.first_of_edge[side as usize] = u32::try_from(begin).unwrap_or(u32::MAX);
-            }
-            adjacency.open_edges += usize::from(count == 1);
-            adjacency.non_manifold_edges += usize::from(count > 2);
-            begin += count;
+            begin = end as usize;
         }
         adjacency
+    }
+
+    /// Takes in the sides of the next edge.
+    fn add_edge(&mut self, edge: &[Side], triangles: &[[u32; 3]]) {
+        let begin = index_u32(self.sides.len());
+        let mut up_count = 0;
+        for side in edge {
+            self.sides.push(side.number());
+            self.first_of_edge[side.number() as usize] = begin;
+            up_count += side.is_up();
+        }
+        let count = edge.len();
+        if 2 * up_count as usize != count && self.uneven_side.is_none() {
+            self.uneven_side = Some(edge[0].number());
+        }
+        self.open_edges += usize::from(count == 1);
+        self.non_manifold_edges += usize::from(count > 2);
+        if count > 1 {
+            self.duplicate_triangles += duplicates(edge, triangles);
+        }
     }
 
     /// The other triangles at side `k` of a triangle, each with the number of its own side there; rising.
@@ -100,12 +117,87 @@ impl Adjacency {
     }
 }
 
-fn duplicates(triangles: &[[u32; 3]]) -> usize {
-    let sorted = |&[a, b, c]: &[u32; 3]| {
-        let (least, most) = (a.min(b).min(c), a.max(b).max(c));
-        [least, a ^ b ^ c ^ least ^ most, most]
-    };
-    let mut sets: Vec<[u32; 3]> = triangles.iter().map(sorted).collect();
-    sets.sort_unstable();
-    sets.windows(2).filter(|pair| pair[0] == pair[1]).count()
+/// A side in the list of its lower vertex: its higher vertex, its number, and whether it goes up from the lower one, in one
+/// number that sorts by these.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Side(u64);
+
+impl Side {
+    fn new(number: usize, from: u32, to: u32) -> Self {
+        Self(u64::from(from.max(to)) << 32 | (number as u64) << 1 | u64::from(from < to))
+    }
+
+    fn higher(self) -> u32 {
+        (self.0 >> 32) as u32
+    }
+
+    /// `3 * triangle + k`.
+    fn number(self) -> u32 {
+        self.0 as u32 >> 1
+    }
+
+    /// 1 if it is.
+    fn is_up(self) -> u32 {
+        self.0 as u32 & 1
+    }
+}
+
+/// The end of each vertex's list of sides, where the lists of all vertices lie one after the other: a side is in that of
+/// its lower vertex.
+fn ends_of_lists(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut ends = vec![0; vertex_count];
+    for &[a, b, c] in triangles {
+        for lower in [a.min(b), b.min(c), c.min(a)] {
+            ends[lower as usize] += 1;
+        }
+    }
+    let mut end = 0;
+    for count in &mut ends {
+        end += *count;
+        *count = end;
+    }
+    ends
+}
+
+/// The lists, each in any order.
+fn lists_of_sides(ends: &[u32], triangles: &[[u32; 3]]) -> Vec<Side> {
+    let mut free = ends.to_vec();
+    let mut lists = vec![Side(0); 3 * triangles.len()];
+    for (triangle, &[a, b, c]) in triangles.iter().enumerate() {
+        for (k, [from, to]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
+            let at = &mut free[from.min(to) as usize];
+            *at -= 1;
+            lists[*at as usize] = Side::new(3 * triangle + k, from, to);
+        }
+    }
+    lists
+}
+
+/// Most vertices have few sides, for which this is quicker than a sort for many.
+fn sort(list: &mut [Side]) {
+    if list.len() > 24 {
+        return list.sort_unstable();
+    }
+    for next in 1..list.len() {
+        let side = list[next];
+        let mut at = next;
+        while at > 0 && list[at - 1] > side {
+            list[at] = list[at - 1];
+            at -= 1;
+        }
+        list[at] = side;
+    }
+}
+
+/// How many of the triangles at an edge have the vertices of an earlier one there; counted at the edge of their two lowest
+/// vertices only, so that each is once.
+fn duplicates(edge: &[Side], triangles: &[[u32; 3]]) -> usize {
+    let higher = edge[0].higher();
+    let third = |side: &Side| triangles[side.number() as usize / 3][(side.number() as usize + 2) % 3];
+    if let [one, other] = edge {
+        return usize::from(third(one) == third(other) && third(one) > higher);
+    }
+    let mut thirds: SmallVec<[u32; 8]> = edge.iter().map(third).filter(|&third| third > higher).collect();
+    thirds.sort_unstable();
+    thirds.windows(2).filter(|pair| pair[0] == pair[1]).count()
 }

@@ -1,15 +1,12 @@
 //! Triangle meshes: what is kept of what was sent, and which triangles are neighbours.
 
-use std::{
-    collections::HashMap,
-    sync::{Arc, OnceLock},
-};
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
 use super::{
-    adjacency::Adjacency, bounds::around, creases::Fans, islands::first_vertices, ladder::Ladder, mode::MeshMode,
-    parts::MeshParts,
+    adjacency::Adjacency, bounds::around, creases::Fans, equal::first_equal, islands::first_vertices, ladder::Ladder,
+    mode::MeshMode, parts::MeshParts,
 };
 use crate::{
     broad::StaticTree,
@@ -185,7 +182,7 @@ impl Mesh {
     /// Which triangles are neighbours; built when first asked.
     #[must_use]
     pub fn adjacency(&self) -> &Adjacency {
-        self.adjacency.get_or_init(|| Adjacency::new(&self.triangles))
+        self.adjacency.get_or_init(|| Adjacency::new(self.vertices.len(), &self.triangles))
     }
 
     /// A vertex of each connected part; the parts are found when first asked.
@@ -246,18 +243,6 @@ impl Mesh {
         let lazy = parts + self.ladder.memory_bytes();
         (size_of::<Self>() + lists) as u64 + lazy + self.tree.get().map_or(0, StaticTree::memory_bytes)
     }
-}
-
-/// For each vertex the first one equal to it (−0 and +0 are equal), and how many were equal to an earlier one.
-fn first_equal(vertices: &[DVec3]) -> (Vec<u32>, usize) {
-    let mut seen: HashMap<[u64; 3], u32> = HashMap::with_capacity(vertices.len());
-    let mut merged = 0;
-    let first = vertices.iter().zip(0..).map(|(vertex, index)| {
-        let first = *seen.entry((*vertex + DVec3::ZERO).to_array().map(f64::to_bits)).or_insert(index);
-        merged += usize::from(first != index);
-        first
-    });
-    (first.collect(), merged)
 }
 
 /// Whether a triangle has an area that is not exactly 0.

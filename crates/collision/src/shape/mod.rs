@@ -9,6 +9,7 @@ mod climb;
 mod compound;
 mod convex;
 mod creases;
+mod equal;
 mod farthest;
 mod foot;
 mod geometry;
