@@ -180,6 +180,11 @@ pub const LOWEST_POINT: f64 = 16.0 * ROUNDING;
 /// with the roundings of the product; 16 more as in [`LOWEST_POINT`]. Pinned likewise.
 pub const TURNED_LOWEST_POINT: f64 = 128.0 * ROUNDING;
 
+/// What the height of a point above a plane may be off by for its own rounding, as a part of the plane's axis and of the lengths in
+/// play: a difference, three products and two sums make 5, the reach of a form along the axis as many, its length 2; 16 are taken.
+/// Larger: more triangles come to a kernel. Smaller: a touch might be passed over. Test: `narrow/pieces/rod.rs`, touches.
+pub const AXIS_ROUNDING: f64 = 16.0 * ROUNDING;
+
 /// One form's pose in the frame of another is off by less than this part of their distance and reach: 111 roundings for a
 /// position turned into the frame, and 4 · 30 · √3 for the product of two rounded unit quaternions as a rotation, 319
 /// together. The pose of a part of a compound is off by as much, counted as a length. Larger: more triangles are looked at, and

@@ -243,6 +243,7 @@ impl<'a> Concave<'a> {
 
     /// A displacement in the world, in its own axes.
     pub(super) fn displacement_in(&self, world: DVec3) -> DVec3 {
-        self.place.pose.matrix().transpose() * world
+        let pose = &self.place.pose;
+        if pose.rotation.xyz() == DVec3::ZERO { world } else { pose.matrix().transpose() * world }
     }
 }

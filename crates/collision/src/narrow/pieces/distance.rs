@@ -8,6 +8,7 @@ use super::{
     inside::{Held, held},
     matter::Met,
     next,
+    rod::Rod,
 };
 use crate::{
     accuracy::Accuracy,
@@ -88,8 +89,14 @@ impl Nearest {
             }
             Next::SplitSecond(a, b) => {
                 self.meet(Met::of_pair(b, a, work).map(Met::swapped));
-                b.nearest_to(b.box_of(a), self.limit, work, |piece, work| {
-                    self.search(a, &piece, accuracy, work);
+                let mut rod = Rod::of(a, b);
+                let query = rod.as_ref().map_or_else(|| b.box_of(a), Rod::bounds);
+                b.nearest_to(query, self.limit, work, |piece, work| {
+                    if rod.as_mut().is_some_and(|rod| rod.is_beyond(&piece, self.limit)) {
+                        work.pairs_tested += 1;
+                    } else {
+                        self.search(a, &piece, accuracy, work);
+                    }
                     self.limit
                 });
             }

@@ -132,7 +132,7 @@ impl First {
             }
             Next::SplitFirst(a, b) => {
                 let ask = &self.meet(Met::of_pair(a, b, work), ask);
-                let path = swept(a, b, &ask.motion.swapped());
+                let (path, _) = swept(a, b, &ask.motion.swapped());
                 a.along(&path, self.limit, work, |piece, work| {
                     self.search(&piece, b, ask, work);
                     self.limit
@@ -140,9 +140,13 @@ impl First {
             }
             Next::SplitSecond(a, b) => {
                 let ask = &self.meet(Met::of_pair(b, a, work).map(Met::swapped), ask);
-                let path = swept(b, a, ask.motion);
+                let (path, rod) = swept(b, a, ask.motion);
                 b.along(&path, self.limit, work, |piece, work| {
-                    self.search(a, &piece, ask, work);
+                    if rod.as_ref().is_some_and(|rod| rod.is_clear_of(&piece, self.limit)) {
+                        work.pairs_tested += 1;
+                    } else {
+                        self.search(a, &piece, ask, work);
+                    }
                     self.limit
                 });
             }

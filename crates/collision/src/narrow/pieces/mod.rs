@@ -11,7 +11,8 @@
 //! A height field has an inside, which is asked by points ([`matter`]).
 //!
 //! A mesh is asked as its triangles. Of a solid one it is also asked whether it holds the other form ([`inside`]); which normals
-//! the triangles have, and from which side they are felt, is told by [`facet`].
+//! the triangles have, and from which side they are felt, is told by [`facet`]. Most triangles that a search offers to a box, a
+//! ball or a capsule are known not to touch it before a kernel is asked ([`rod`]).
 //!
 //! # Limits
 //! A mesh that is not solid is a surface: what lies wholly inside a closed one does not touch it. Of two height fields the
@@ -25,6 +26,7 @@ mod inside;
 mod matter;
 mod overlap;
 mod penetration;
+mod rod;
 mod sweep;
 
 use glam::DVec3;
@@ -146,10 +148,13 @@ impl<'a> Ordered<'a> {
     /// A convex form first, then of concave ones that of fewer pieces, then by content and pose; a half space last.
     fn new(a: Placed<'a>, b: Placed<'a>) -> Self {
         let at_home = |placed: Placed<'a>| Side::of(placed.geometry, Place::of(placed.pose), None);
-        let is_swapped = match (at_home(a), at_home(b)) {
-            (Side::Convex(_), _) | (_, Side::Space(_)) => false,
-            (_, Side::Convex(_)) | (Side::Space(_), _) => true,
-            (Side::Concave(a), Side::Concave(b)) => b.goes_before(&a),
+        let is_swapped = match (a.geometry.form(), b.geometry.form()) {
+            (Form::Convex(_), _) | (_, Form::HalfSpace(_)) => false,
+            (_, Form::Convex(_)) | (Form::HalfSpace(_), _) => true,
+            _ => match (at_home(a), at_home(b)) {
+                (Side::Concave(a), Side::Concave(b)) => b.goes_before(&a),
+                _ => false,
+            },
         };
         let (first, second) = if is_swapped { (b, a) } else { (a, b) };
         let Some(compound) = [first, second].into_iter().find(Placed::is_compound) else {

@@ -7,6 +7,7 @@ use super::{
     inside::{Held, held},
     matter::Met,
     next,
+    rod::Rod,
 };
 use crate::{
     accuracy::Accuracy,
@@ -89,8 +90,14 @@ impl Touching {
             }
             Next::SplitSecond(a, b) => {
                 if self.meet(Met::of_pair(b, a, work)).is_continue() {
-                    b.in_box(b.box_of(a), work, |piece, work| {
-                        self.search(a, &piece, accuracy, work);
+                    let rod = Rod::of(a, b);
+                    let query = rod.as_ref().map_or_else(|| b.box_of(a), Rod::bounds);
+                    b.in_box(query, work, |piece, work| {
+                        if rod.as_ref().is_some_and(|rod| rod.is_clear_of(&piece, 1.0)) {
+                            work.pairs_tested += 1;
+                        } else {
+                            self.search(a, &piece, accuracy, work);
+                        }
                         self.flow()
                     });
                 }

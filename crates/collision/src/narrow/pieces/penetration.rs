@@ -9,6 +9,7 @@ use super::{
     inside::{Held, middle_held},
     matter::{self, Met},
     next, overlap,
+    rod::Rod,
 };
 use crate::{
     accuracy::Accuracy,
@@ -126,8 +127,14 @@ impl Touching<'_> {
             }
             Next::SplitSecond(a, b) => {
                 self.begin(b, a, work);
-                b.in_box(b.box_of(a).inflated(self.max_gap), work, |piece, work| {
-                    self.search(a, &piece, work);
+                let rod = Rod::of(a, b).map(|rod| rod.grown(self.max_gap));
+                let query = rod.as_ref().map_or_else(|| b.box_of(a).inflated(self.max_gap), Rod::bounds);
+                b.in_box(query, work, |piece, work| {
+                    if rod.as_ref().is_some_and(|rod| rod.is_clear_of(&piece, 1.0)) {
+                        work.pairs_tested += 1;
+                    } else {
+                        self.search(a, &piece, work);
+                    }
                     ControlFlow::Continue(())
                 });
                 self.end(b, known);

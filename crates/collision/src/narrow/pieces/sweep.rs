@@ -11,7 +11,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{Side, concave::Concave};
+use super::{Side, concave::Concave, rod::Rod};
 use crate::{
     broad::Path,
     math::{Aabb, try_unit},
@@ -20,16 +20,25 @@ use crate::{
 };
 
 /// The path of `form` past a concave form, in the axes of that as they were at the start. In `motion` the form that is
-/// followed is `a`, the concave one is `b`.
-pub(super) fn swept(concave: &Concave<'_>, form: &Side<'_>, motion: &Motion) -> Path {
-    let way = motion.displacement_a - motion.displacement_b;
-    if !motion.turns() {
-        let start = concave.box_of(form);
-        let center = start.center();
-        let direction = concave.displacement_in(way);
-        let half = (start.max - center).max(center - start.min);
-        return Path { origin: center, direction, reach: half + RELATIVE_POSE * (half.length() + direction.length()) };
+/// followed is `a`, the concave one is `b`. Of a form that is a rod and does not turn also that.
+pub(super) fn swept(concave: &Concave<'_>, form: &Side<'_>, motion: &Motion) -> (Path, Option<Rod>) {
+    if motion.turns() {
+        return (turning(concave, form, motion), None);
     }
+    let direction = concave.displacement_in(motion.displacement_a - motion.displacement_b);
+    if let Some(rod) = Rod::of(form, concave) {
+        let rod = rod.moving(direction);
+        return (Path { origin: rod.middle(), direction, reach: rod.reach() }, Some(rod));
+    }
+    let start = concave.box_of(form);
+    let center = start.center();
+    let half = (start.max - center).max(center - start.min);
+    let reach = half + RELATIVE_POSE * (half.length() + direction.length());
+    (Path { origin: center, direction, reach }, None)
+}
+
+fn turning(concave: &Concave<'_>, form: &Side<'_>, motion: &Motion) -> Path {
+    let way = motion.displacement_a - motion.displacement_b;
     let (turn, turn_of_concave) = (motion.rotation_a, motion.rotation_b);
     let local = form.local_bounds();
     let (own, place) = (concave.place(), form.place());

@@ -64,6 +64,9 @@ pub(super) fn touches<S: Surface>(
 /// What is known of the ray and one triangle; `None` if it is surely not touched.
 fn candidate<S: Surface>(sight: &Sight<'_>, mesh: &S, triangle: usize, faces: Faces) -> Option<Candidate> {
     let corners = mesh.corners(triangle);
+    if sight.passes(corners) {
+        return None;
+    }
     let view = sight.view(corners);
     if view.is_missed() || is_culled(view, faces) {
         return None;

@@ -94,8 +94,8 @@ pub(super) struct Meeting {
 pub(super) struct Sight<'a> {
     pub ray: &'a LocalRay,
     center: DVec3,
-    axes: [usize; 3],
-    shear: DVec2,
+    /// What a corner is multiplied by to be sheared: no more than picking coordinates, without asking which.
+    across: [DVec3; 2],
     /// Sign of the ray's largest component.
     along: f64,
     /// Bounds the error of a sheared corner.
@@ -105,16 +105,26 @@ pub(super) struct Sight<'a> {
 impl<'a> Sight<'a> {
     pub(super) fn new(ray: &'a LocalRay, center: DVec3) -> Self {
         let largest = ray.direction.abs().max_position();
-        let axes = [(largest + 1) % 3, (largest + 2) % 3, largest];
+        let [x, y] = [(largest + 1) % 3, (largest + 2) % 3];
         let d = ray.direction;
+        let along = DVec3::AXES[largest];
         Self {
             ray,
             center,
-            axes,
-            shear: DVec2::new(d[axes[0]], d[axes[1]]) / d[largest],
+            across: [x, y].map(|axis| DVec3::AXES[axis] - along * (d[axis] / d[largest])),
             along: d[largest].signum(),
             error: 3.0 * ray.error,
         }
+    }
+
+    /// Whether it surely passes a triangle by, told from one error for all sides: true of most that a tree offers, though not of
+    /// all that [`Sight::view`] would find.
+    pub(super) fn passes(&self, corners: [DVec3; 3]) -> bool {
+        let [a, b, c] = corners.map(|corner| self.sheared(corner));
+        let (ab, bc, ca) = (a.perp_dot(b), b.perp_dot(c), c.perp_dot(a));
+        let farthest = a.abs().max(b.abs()).max(c.abs()).max_element();
+        let doubt = self.error * (4.0 * farthest + 2.0 * self.error) + 8.0 * tolerance::ROUNDING * farthest * farthest;
+        ab.min(bc).min(ca) < -doubt && ab.max(bc).max(ca) > doubt
     }
 
     /// Looks at a triangle, given by its corners in the local frame. If the ray surely passes it by, no more is found out.
@@ -152,8 +162,8 @@ impl<'a> Sight<'a> {
     #[inline]
     fn sheared(&self, corner: DVec3) -> DVec2 {
         let relative = (corner - self.center) - self.ray.foot;
-        let [x, y, z] = self.axes;
-        DVec2::new(relative[x], relative[y]) - self.shear * relative[z]
+        let [x, y] = self.across;
+        DVec2::new(x.dot(relative), y.dot(relative))
     }
 
     /// Twice the area between the ray and a side. Its error: corners are off by `error`, and two products and a
