@@ -51,6 +51,7 @@ fn asked(replay: &proto::Replay) -> String {
         Question::TimeOfImpact(it) => ("time of impact", to_json("TimeOfImpactRequest", it)),
         Question::Distance(it) => ("distance", to_json("DistanceRequest", it)),
         Question::MoveCharacter(it) => ("move character", to_json("MoveCharacterRequest", it)),
+        Question::Depenetrate(it) => ("depenetrate", to_json("DepenetrateRequest", it)),
     };
     format!("{name} {json}")
 }
@@ -161,6 +162,12 @@ fn answer(kept: &proto::Answer) -> String {
         Answer::MoveCharacter(it) => {
             let mut lines = vec![format!("  it ends at {}", vector(it.position))];
             lines.extend(hits(&it.hits, |hit| (hit.id, hit.fraction, hit.certificate)));
+            (it.verdict(), lines, false)
+        }
+        Answer::Depenetrate(it) => {
+            let mut lines =
+                vec![format!("  it ends at {}, {} from where it was", vector(it.position), vector(it.translation))];
+            lines.extend(hits(&it.contacts, |hit| (hit.id, hit.depth, hit.certificate)));
             (it.verdict(), lines, false)
         }
         Answer::Problem(problem) => return format!("answer: none, {}: {}", problem.reason, problem.message),

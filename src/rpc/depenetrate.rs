@@ -13,10 +13,10 @@ use crate::{convert::depenetrate, problem::Checked};
 pub(super) fn answer(sent: &pb::DepenetrateRequest, scene: &Scene) -> Checked<pb::DepenetrateResponse> {
     let question = depenetrate::depenetrate(sent, &scene.session.geometries)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (out, work) = scene.ask(|meter| {
+    let (out, account) = scene.ask(&terms, |meter| {
         let out = scene.snapshot.depenetrate(&question, &terms.filter, &terms.accuracy, meter)?;
         Ok(Found { verdict: out.verdict, hits: vec![out], truncated: false })
     })?;
     let out = depenetrate::depenetrated(&out.hits[0])?;
-    Ok(pb::DepenetrateResponse { info: scene.info(&terms, &work), ..out })
+    Ok(pb::DepenetrateResponse { info: scene.info(&terms, account), ..out })
 }

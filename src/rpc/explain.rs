@@ -148,6 +148,7 @@ fn subjects(question: &pb::Question) -> impl Iterator<Item = &pb::Subject> {
         Some(Asked::TimeOfImpact(it)) => [it.subject.as_ref(), it.against.as_ref()],
         Some(Asked::Distance(it)) => [it.subject.as_ref(), it.against.as_ref()],
         Some(Asked::MoveCharacter(it)) => [it.subject.as_ref(), None],
+        Some(Asked::Depenetrate(it)) => [it.subject.as_ref(), it.against.as_ref()],
     };
     subject.into_iter().chain(against)
 }

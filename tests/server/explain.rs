@@ -40,6 +40,7 @@ pub(crate) fn questions() -> Vec<Asked> {
             translation: Some(vec3(6.0, -1.0, 0.0)),
             ..pb::MoveCharacterRequest::default()
         }),
+        Asked::Depenetrate(pb::DepenetrateRequest { subject: ball(5.0), ..pb::DepenetrateRequest::default() }),
     ]
 }
 
@@ -51,6 +52,7 @@ pub(crate) fn options_of(asked: &mut Asked) -> &mut Option<pb::QueryOptions> {
         Asked::TimeOfImpact(it) => &mut it.options,
         Asked::Distance(it) => &mut it.options,
         Asked::MoveCharacter(it) => &mut it.options,
+        Asked::Depenetrate(it) => &mut it.options,
     }
 }
 
@@ -62,6 +64,7 @@ fn info_of(answer: &mut Kind) -> &mut Option<pb::AnswerInfo> {
         Kind::TimeOfImpact(it) => &mut it.info,
         Kind::Distance(it) => &mut it.info,
         Kind::MoveCharacter(it) => &mut it.info,
+        Kind::Depenetrate(it) => &mut it.info,
         Kind::Problem(problem) => panic!("{problem:?}"),
     }
 }

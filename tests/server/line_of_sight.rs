@@ -42,7 +42,7 @@ async fn each_eye_sees_what_no_shape_but_its_own_and_the_targets_hides() {
     assert_eq!(answer.undecided, [0; 4]);
     let points: Vec<pb::Sight> = answer.points().collect();
     assert_eq!(points, [Hidden, Hidden, Visible, Visible, Hidden, Visible]);
-    assert_eq!(answer.info.unwrap().tick, 2);
+    assert_eq!(answer.info.as_ref().unwrap().tick, 2);
     // A figure that is not left out hides its own head.
     let all = seen(&mut bench, pb::LineOfSightRequest { target_ids: vec![], ..look() }).await;
     assert_eq!(all.visible, [0, 1, 0, 1]);
@@ -71,7 +71,7 @@ async fn it_is_asked_at_a_tick_and_goes_onto_the_stream() {
     assert_eq!(seen(&mut bench, look()).await.visible, [2, 1, 2, 1], "the wall is gone");
     let past = pb::LineOfSightRequest { options: Some(read_at(At::Tick(2))), ..look() };
     let answer = seen(&mut bench, past.clone()).await;
-    assert_eq!((answer.visible.as_slice(), answer.info.unwrap().tick), (&[0, 1, 1, 1][..], 2));
+    assert_eq!((answer.visible.as_slice(), answer.info.as_ref().unwrap().tick), (&[0, 1, 1, 1][..], 2));
     let messages = vec![
         pb::QueryStreamRequest { request_id: 4, request: Some(Asked::LineOfSight(past)) },
         pb::QueryStreamRequest { request_id: 5, request: Some(Asked::LineOfSight(pb::LineOfSightRequest::default())) },
