@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use tokio::time::timeout;
+use tokio::{sync::mpsc::error::TrySendError, time::timeout};
 use tonic::{Request, Status, Streaming};
 use wire::v1::{self as pb, query_stream_request::Request as Asked, query_stream_response::Response as Answered};
 
@@ -15,7 +15,7 @@ use super::{
     Answers, Caller, READER_PATIENCE, Server,
     answers::{Unread, stream},
     batch, distance_batch, fitting, line_of_sight, overlap_batch, question, raycast_batch,
-    scene::Scene,
+    scene::{Asking, Scene},
     time_of_impact_batch,
     turns::Turns,
 };
@@ -59,7 +59,13 @@ async fn run(
         let Some(message) = message else { return Ok(()) };
         turns.next().await?;
         let answer = answer(server, caller, message).await;
-        match timeout(READER_PATIENCE, answers.send(Ok(answer))).await {
+        // A reader that keeps up costs no timer.
+        let answer = match answers.try_send(Ok(answer)) {
+            Ok(()) => continue,
+            Err(TrySendError::Closed(_)) => return Ok(()),
+            Err(TrySendError::Full(answer)) => answer,
+        };
+        match timeout(READER_PATIENCE, answers.send(answer)).await {
             Ok(Ok(())) => {}
             Ok(Err(_)) => return Ok(()),
             Err(_) => return Err(Problem::new(Reason::Overloaded, "the client took no answer for 10 s").into()),
@@ -92,32 +98,40 @@ async fn answer_kind(server: &Server, caller: &Caller, message: pb::QueryStreamR
             Err(Problem::at("request", Reason::Missing, what))
         }
         Some(Asked::Question(sent)) => answer_question(server, caller, &sent).await.under("question"),
-        Some(Asked::Batch(sent)) => {
-            let scene = Scene::of(server, caller, &sent).await.under("batch")?;
-            batch::answer(&sent, &scene).await.map(Answered::Batch).under("batch")
-        }
+        Some(Asked::Batch(sent)) => many(server, caller, "batch", &sent, batch::answer, Answered::Batch).await,
         Some(Asked::RaycastBatch(sent)) => {
-            let scene = Scene::of(server, caller, &sent).await.under("raycast_batch")?;
-            raycast_batch::answer(&sent, &scene).await.map(Answered::RaycastBatch).under("raycast_batch")
+            many(server, caller, "raycast_batch", &sent, raycast_batch::answer, Answered::RaycastBatch).await
         }
         Some(Asked::OverlapBatch(sent)) => {
-            let scene = Scene::of(server, caller, &sent).await.under("overlap_batch")?;
-            overlap_batch::answer(&sent, &scene).await.map(Answered::OverlapBatch).under("overlap_batch")
+            many(server, caller, "overlap_batch", &sent, overlap_batch::answer, Answered::OverlapBatch).await
         }
         Some(Asked::TimeOfImpactBatch(sent)) => {
-            let scene = Scene::of(server, caller, &sent).await.under("time_of_impact_batch")?;
-            let answer = time_of_impact_batch::answer(&sent, &scene).await;
-            answer.map(Answered::TimeOfImpactBatch).under("time_of_impact_batch")
+            let answer = time_of_impact_batch::answer;
+            many(server, caller, "time_of_impact_batch", &sent, answer, Answered::TimeOfImpactBatch).await
         }
         Some(Asked::DistanceBatch(sent)) => {
-            let scene = Scene::of(server, caller, &sent).await.under("distance_batch")?;
-            distance_batch::answer(&sent, &scene).await.map(Answered::DistanceBatch).under("distance_batch")
+            many(server, caller, "distance_batch", &sent, distance_batch::answer, Answered::DistanceBatch).await
         }
         Some(Asked::LineOfSight(sent)) => {
-            let scene = Scene::of(server, caller, &sent).await.under("line_of_sight")?;
-            line_of_sight::answer(&sent, &scene).await.map(Answered::LineOfSight).under("line_of_sight")
+            many(server, caller, "line_of_sight", &sent, line_of_sight::answer, Answered::LineOfSight).await
         }
     }
+}
+
+/// Many questions in one message. Boxed, as otherwise a single question would carry the room that they need.
+async fn many<Q: Asking, A>(
+    server: &Server,
+    caller: &Caller,
+    name: &'static str,
+    sent: &Q,
+    answer: impl AsyncFnOnce(&Q, &Scene) -> Checked<A>,
+    kind: fn(A) -> Answered,
+) -> Checked<Answered> {
+    let answered = Box::pin(async {
+        let scene = Scene::of(server, caller, sent).await?;
+        answer(sent, &scene).await.map(kind)
+    });
+    answered.await.under(name)
 }
 
 /// One question, which names its session and version itself.
