@@ -57,8 +57,10 @@ impl LocalBox {
 
     /// Its six planes, each in all lanes: lower x, y, z, then upper.
     pub(super) fn splat(self) -> [Wide; 6] {
-        let (min, max) = (self.min, self.max);
-        [min.x, min.y, min.z, max.x, max.y, max.z].map(Wide::splat)
+        // One by one: numbers gathered in an array first are written one by one and read four at a time, which waits.
+        let [min, max] = [self.min, self.max].map(|corner| corner.to_array());
+        let splat = |number: f32| Wide::splat(number);
+        [splat(min[0]), splat(min[1]), splat(min[2]), splat(max[0]), splat(max[1]), splat(max[2])]
     }
 }
 

@@ -96,8 +96,15 @@ impl Node {
 
     /// The box of a lane.
     pub(super) fn lane(&self, lane: usize) -> LocalBox {
-        let [min_x, min_y, min_z, max_x, max_y, max_z] = [0, 1, 2, 3, 4, 5].map(|plane| self.planes[plane].get(lane));
-        LocalBox { min: Vec3A::new(min_x, min_y, min_z), max: Vec3A::new(max_x, max_y, max_z) }
+        let at = |plane: usize| self.planes[plane].get(lane);
+        LocalBox { min: Vec3A::new(at(0), at(1), at(2)), max: Vec3A::new(at(3), at(4), at(5)) }
+    }
+
+    /// The box of a lane, in all lanes.
+    #[inline]
+    pub(super) fn lane_splat(&self, lane: usize) -> [Wide; 6] {
+        let at = |plane: usize| Wide::splat(self.planes[plane].get(lane));
+        [at(0), at(1), at(2), at(3), at(4), at(5)]
     }
 
     /// Changes the box of a lane.

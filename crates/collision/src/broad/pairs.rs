@@ -15,9 +15,9 @@ use smallvec::SmallVec;
 use super::{
     Toll,
     forest::{Cell, Forest, Nodes, Rooted},
-    local::LocalBox,
     node::{Child, LANES, NO_NODE, Node, Target},
     traverse::{ALL_LAYERS, touch},
+    wide::Wide,
 };
 use crate::math::Aabb;
 
@@ -114,7 +114,7 @@ fn each_within<T: Toll, N: Nodes>(
                     if let Target::Node(below) = node.children[lane].target() {
                         open.push(Join::Within(below));
                     }
-                    for other in node.touching(&node.lane(lane).splat()).after(lane) {
+                    for other in node.touching(&node.lane_splat(lane)).after(lane) {
                         pair((index, node, lane), (index, node, other), toll, &mut open, visit)?;
                     }
                 }
@@ -122,8 +122,8 @@ fn each_within<T: Toll, N: Nodes>(
             Join::Between(lane_a, lane_b) => {
                 let (Some(a), Some(b)) = (below(forest, lane_a), below(forest, lane_b)) else { continue };
                 let (node_a, node_b) = (forest.nodes.node(a), forest.nodes.node(b));
-                for lane in node_a.touching(&lane_of(forest, lane_b).splat()) {
-                    for other in node_b.touching(&node_a.lane(lane).splat()) {
+                for lane in node_a.touching(&lane_of(forest, lane_b)) {
+                    for other in node_b.touching(&node_a.lane_splat(lane)) {
                         pair((a, node_a, lane), (b, node_b, other), toll, &mut open, visit)?;
                     }
                 }
@@ -131,7 +131,7 @@ fn each_within<T: Toll, N: Nodes>(
             Join::LeafWith(lane, index) => {
                 let (holder, node) = (forest.nodes.node(lane / LANES as u32), forest.nodes.node(index));
                 let at = lane as usize % LANES;
-                for other in node.touching(&lane_of(forest, lane).splat()) {
+                for other in node.touching(&lane_of(forest, lane)) {
                     pair((lane / LANES as u32, holder, at), (index, node, other), toll, &mut open, visit)?;
                 }
             }
@@ -142,8 +142,8 @@ fn each_within<T: Toll, N: Nodes>(
 
 /// The box in a lane: the node that it leads to has the same one, but would have to be asked for it lane by lane.
 #[inline]
-fn lane_of<N: Nodes>(forest: &Forest<N>, lane: u32) -> LocalBox {
-    forest.nodes.node(lane / LANES as u32).lane(lane as usize % LANES)
+fn lane_of<N: Nodes>(forest: &Forest<N>, lane: u32) -> [Wide; 6] {
+    forest.nodes.node(lane / LANES as u32).lane_splat(lane as usize % LANES)
 }
 
 /// The node that a lane leads to.

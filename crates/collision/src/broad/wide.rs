@@ -32,14 +32,17 @@ impl Wide {
         Self([four; 2])
     }
 
+    /// As in an array: the index of a vector jumps to one place for each component, and no processor foresees to which.
     #[inline]
     pub(super) fn get(&self, lane: usize) -> f32 {
-        self.0[lane / 4][lane % 4]
+        let four: &[f32; 4] = self.0[lane / 4].as_ref();
+        four[lane % 4]
     }
 
     #[inline]
     pub(super) fn set(&mut self, lane: usize, value: f32) {
-        self.0[lane / 4][lane % 4] = value;
+        let four: &mut [f32; 4] = self.0[lane / 4].as_mut();
+        four[lane % 4] = value;
     }
 
     #[inline]
