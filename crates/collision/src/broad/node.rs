@@ -52,14 +52,20 @@ impl Child {
         Self(bits)
     }
 
+    /// The number of what is below, which is a leaf or a node.
+    #[inline]
+    pub(super) fn number(self) -> u32 {
+        self.0 & !Self::LEAF
+    }
+
     #[inline]
     pub(super) fn target(self) -> Target {
-        if self == Self::NOTHING {
-            Target::Nothing
-        } else if self.0 & Self::LEAF != 0 {
+        if self.0 & Self::LEAF == 0 {
+            Target::Node(self.0)
+        } else if self != Self::NOTHING {
             Target::Leaf(self.0 & !Self::LEAF)
         } else {
-            Target::Node(self.0)
+            Target::Nothing
         }
     }
 }
@@ -181,6 +187,18 @@ impl Node {
         Lanes::of(x & y & z)
     }
 
+    /// The pairs of lanes whose boxes touch.
+    pub(super) fn touching_pairs(&self) -> LanePairs {
+        LanePairs::touching(&self.planes)
+    }
+
+    /// The lanes that lead to nodes.
+    #[inline]
+    pub(super) fn nodes_below(&self) -> Lanes {
+        // Of those the highest bit is 0, which is the sign of a float.
+        Lanes(!Wide::of_bits(self.children.map(Child::bits)).negative() & 0xff)
+    }
+
     /// The half areas of its boxes, and of their unions with another, m²; NaN or infinite for empty lanes.
     pub(super) fn half_areas_with(&self, other: &[Wide; 6]) -> (Wide, Wide) {
         let p = &self.planes;
@@ -215,9 +233,9 @@ impl Lanes {
         Self(mask.bits())
     }
 
-    /// Those after a lane.
-    pub(super) fn after(self, lane: usize) -> Self {
-        Self(self.0 & (u32::MAX << 1) << lane)
+    #[inline]
+    pub(super) fn is_empty(self) -> bool {
+        self.0 == 0
     }
 }
 
@@ -228,5 +246,89 @@ impl Iterator for Lanes {
         let lane = self.0.trailing_zeros() as usize;
         self.0 &= self.0.wrapping_sub(1);
         (lane < LANES).then_some(lane)
+    }
+}
+
+/// A set of pairs of lanes, and the iterator over them. Each pair has a bit: see [`PAIRS`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct LanePairs(u32);
+
+/// The pair of each bit. In each row eight lanes are compared with eight: with the next in their half, and with those two farther on
+/// there, where every pair comes twice; then the first half with the second, as it is and turned by one, and by two and three.
+#[rustfmt::skip]
+const PAIRS: [(u8, u8); 32] = [
+    (0, 1), (1, 2), (2, 3), (0, 3), (4, 5), (5, 6), (6, 7), (4, 7),
+    (0, 2), (1, 3), (0, 2), (1, 3), (4, 6), (5, 7), (4, 6), (5, 7),
+    (0, 4), (1, 5), (2, 6), (3, 7), (0, 5), (1, 6), (2, 7), (3, 4),
+    (0, 6), (1, 7), (2, 4), (3, 5), (0, 7), (1, 4), (2, 5), (3, 6),
+];
+
+impl LanePairs {
+    #[inline]
+    fn touching(planes: &[Wide; 6]) -> Self {
+        let touch = |a: &[Wide; 6], b: &[Wide; 6]| {
+            let axis = |at: usize| a[at].at_most(b[at + 3]) & b[at].at_most(a[at + 3]);
+            (axis(0) & axis(1) & axis(2)).bits()
+        };
+        let by_one = planes.map(Wide::turned);
+        let by_two = by_one.map(Wide::turned);
+        let by_three = by_two.map(Wide::turned);
+        let first = planes.map(Wide::first_twice);
+        let second = |left: &[Wide; 6], right: &[Wide; 6]| [0, 1, 2, 3, 4, 5].map(|at| left[at].seconds(right[at]));
+        let bits = touch(planes, &by_one)
+            | (touch(planes, &by_two) & 0b0011_0011) << 8
+            | touch(&first, &second(planes, &by_one)) << 16
+            | touch(&first, &second(&by_two, &by_three)) << 24;
+        Self(bits)
+    }
+}
+
+impl Iterator for LanePairs {
+    type Item = (usize, usize);
+
+    #[inline]
+    fn next(&mut self) -> Option<(usize, usize)> {
+        if self.0 == 0 {
+            return None;
+        }
+        let (lane, other) = PAIRS[self.0.trailing_zeros() as usize];
+        self.0 &= self.0 - 1;
+        Some((lane.into(), other.into()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pairs_of_a_node_are_those_of_each_lane_with_those_after_it() {
+        let mut state = 1_u64;
+        let mut number = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1_u64 << 24) as f32
+        };
+        let mut counts = [0; 32];
+        for round in 0..2000_u32 {
+            let mut node = Node::EMPTY;
+            for lane in (0..LANES).filter(|lane| round % 7 == 0 || (round >> lane) & 1 == 0) {
+                let min = Vec3A::new(number(), number(), number());
+                let size = Vec3A::new(number(), number(), number());
+                node.set(lane, LocalBox { min, max: min + size }, Child::leaf(lane as u32), 1);
+            }
+            let mut found: Vec<(usize, usize)> = node.touching_pairs().collect();
+            found.sort_unstable();
+            let pairs = (0..LANES).flat_map(|lane| (lane + 1..LANES).map(move |other| (lane, other)));
+            let expected: Vec<_> = pairs.filter(|&(lane, other)| node.lane(lane).touches(node.lane(other))).collect();
+            assert_eq!(found, expected);
+            counts[found.len()] += 1;
+            let leaves: Vec<usize> = node.taken().collect();
+            assert_eq!(node.nodes_below().count(), 0);
+            for &lane in &leaves {
+                node.children[lane] = Child::node(lane as u32);
+                assert!(node.nodes_below().eq(leaves.iter().copied().take_while(|&other| other <= lane)));
+            }
+        }
+        assert!(counts[0] > 100 && counts[3..].iter().sum::<u32>() > 100, "{counts:?}");
     }
 }

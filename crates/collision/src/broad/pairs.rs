@@ -1,9 +1,10 @@
 //! Every pair of leaves of a tree whose boxes touch.
 //!
 //! # Method
-//! The tree is joined with itself: a node with itself gives the pairs of its lanes, two nodes give the pairs of their lanes
-//! that touch, eight tests at a time, and a leaf goes on against a node alone. What is listed beside the nodes, and cells
-//! whose boxes touch, are searched box by box.
+//! The tree is joined with itself. A node with itself gives the pairs of its lanes: each lane is compared with those that follow it, by
+//! turning all of them, so that four comparisons without a branch are enough ([`super::node::LanePairs`]). Two nodes give the pairs of
+//! their lanes that touch, of those that touch the box of the other node, eight tests at a time; and a leaf goes on against a node
+//! alone. What is listed beside the nodes, and cells whose boxes touch, are searched box by box.
 //!
 //! # Source
 //! Ericson, "Real-Time Collision Detection", 2005, section 6.3 (simultaneous descent).
@@ -15,21 +16,26 @@ use smallvec::SmallVec;
 use super::{
     Toll,
     forest::{Cell, Forest, Nodes, Rooted},
-    node::{Child, LANES, NO_NODE, Node, Target},
+    node::{LANES, NO_NODE, Node, Target},
     traverse::{ALL_LAYERS, touch},
     wide::Wide,
 };
 use crate::math::Aabb;
 
-/// What is still to be joined. A lane is eight times its node, and the number of the lane.
-#[derive(Clone, Copy)]
-enum Join {
-    /// All pairs below a node.
-    Within(u32),
-    /// Pairs of what is below one node and what is below another, in these lanes.
-    Between(u32, u32),
-    /// Pairs of the leaf in a lane and what is below a node.
-    LeafWith(u32, u32),
+/// What is still to be joined.
+#[derive(Default)]
+struct Open {
+    /// Nodes, each with itself.
+    within: SmallVec<[u32; 64]>,
+    between: SmallVec<[Between; 64]>,
+}
+
+/// What is below one node with what is below another.
+struct Between {
+    a: u32,
+    b: u32,
+    /// What leads to `b`: eight times its node, and the number of the lane.
+    lane_to_b: u32,
 }
 
 /// Visits every pair of leaves whose boxes touch (and maybe others), each once, in no certain order.
@@ -103,36 +109,30 @@ fn each_within<T: Toll, N: Nodes>(
     toll: &mut T,
     visit: &mut impl FnMut(&mut T, u32, u32) -> Result<(), T::Stop>,
 ) -> Result<(), T::Stop> {
-    let mut open: SmallVec<[Join; 64]> = SmallVec::new();
-    open.extend((cell.root != NO_NODE).then_some(Join::Within(cell.root)));
-    while let Some(join) = open.pop() {
+    let mut open = Open::default();
+    open.within.extend((cell.root != NO_NODE).then_some(cell.root));
+    while let Some(index) = open.within.pop() {
         toll.pay()?;
-        match join {
-            Join::Within(index) => {
-                let node = forest.nodes.node(index);
-                for lane in node.taken() {
-                    if let Target::Node(below) = node.children[lane].target() {
-                        open.push(Join::Within(below));
-                    }
-                    for other in node.touching(&node.lane_splat(lane)).after(lane) {
-                        pair((index, node, lane), (index, node, other), toll, &mut open, visit)?;
-                    }
-                }
+        let node = forest.nodes.node(index);
+        let nodes_below = node.nodes_below();
+        if nodes_below.is_empty() {
+            for (lane, other) in node.touching_pairs() {
+                visit(toll, node.children[lane].number(), node.children[other].number())?;
             }
-            Join::Between(lane_a, lane_b) => {
-                let (Some(a), Some(b)) = (below(forest, lane_a), below(forest, lane_b)) else { continue };
-                let (node_a, node_b) = (forest.nodes.node(a), forest.nodes.node(b));
-                for lane in node_a.touching(&lane_of(forest, lane_b)) {
-                    for other in node_b.touching(&node_a.lane_splat(lane)) {
-                        pair((a, node_a, lane), (b, node_b, other), toll, &mut open, visit)?;
-                    }
-                }
-            }
-            Join::LeafWith(lane, index) => {
-                let (holder, node) = (forest.nodes.node(lane / LANES as u32), forest.nodes.node(index));
-                let at = lane as usize % LANES;
-                for other in node.touching(&lane_of(forest, lane)) {
-                    pair((lane / LANES as u32, holder, at), (index, node, other), toll, &mut open, visit)?;
+            continue;
+        }
+        open.within.extend(nodes_below.map(|lane| node.children[lane].number()));
+        for (lane, other) in node.touching_pairs() {
+            meet(forest, (node, lane), (index, node, other), &mut open, toll, visit)?;
+        }
+        while let Some(Between { a, b, lane_to_b }) = open.between.pop() {
+            toll.pay()?;
+            let (node_a, node_b) = (forest.nodes.node(a), forest.nodes.node(b));
+            // That node has the same box, but would have to be asked for it lane by lane.
+            let bounds_b = forest.nodes.node(lane_to_b / LANES as u32).lane_splat(lane_to_b as usize % LANES);
+            for lane in node_a.touching(&bounds_b) {
+                for other in node_b.touching(&node_a.lane_splat(lane)) {
+                    meet(forest, (node_a, lane), (b, node_b, other), &mut open, toll, visit)?;
                 }
             }
         }
@@ -140,41 +140,49 @@ fn each_within<T: Toll, N: Nodes>(
     Ok(())
 }
 
-/// The box in a lane: the node that it leads to has the same one, but would have to be asked for it lane by lane.
+/// Two lanes whose boxes touch: leaves are visited, two nodes wait.
 #[inline]
-fn lane_of<N: Nodes>(forest: &Forest<N>, lane: u32) -> [Wide; 6] {
-    forest.nodes.node(lane / LANES as u32).lane_splat(lane as usize % LANES)
-}
-
-/// The node that a lane leads to.
-#[inline]
-fn below<N: Nodes>(forest: &Forest<N>, lane: u32) -> Option<u32> {
-    match forest.nodes.node(lane / LANES as u32).children[lane as usize % LANES].target() {
-        Target::Node(below) => Some(below),
-        Target::Leaf(_) | Target::Nothing => None,
+fn meet<T: Toll, N: Nodes>(
+    forest: &Forest<N>,
+    (node_a, lane_a): (&Node, usize),
+    (index_b, node_b, lane_b): (u32, &Node, usize),
+    open: &mut Open,
+    toll: &mut T,
+    visit: &mut impl FnMut(&mut T, u32, u32) -> Result<(), T::Stop>,
+) -> Result<(), T::Stop> {
+    match (node_a.children[lane_a].target(), node_b.children[lane_b].target()) {
+        (Target::Leaf(leaf), Target::Leaf(other)) => visit(toll, leaf, other),
+        (Target::Node(a), Target::Node(b)) => {
+            open.between.push(Between { a, b, lane_to_b: index_b * LANES as u32 + lane_b as u32 });
+            Ok(())
+        }
+        (Target::Leaf(leaf), Target::Node(below)) => {
+            leaf_with(forest, leaf, &node_a.lane_splat(lane_a), below, toll, visit)
+        }
+        (Target::Node(below), Target::Leaf(leaf)) => {
+            leaf_with(forest, leaf, &node_b.lane_splat(lane_b), below, toll, visit)
+        }
+        (Target::Nothing, _) | (_, Target::Nothing) => Ok(()),
     }
 }
 
-/// A lane: the number of its node, the node, and the number of the lane in it.
-type Lane<'a> = (u32, &'a Node, usize);
-
-/// Two lanes whose boxes touch: leaves are visited, nodes wait.
-#[inline]
-fn pair<T: Toll>(
-    a: Lane<'_>,
-    b: Lane<'_>,
+/// A leaf and what is below a node, whose subtree is as deep as the tree at most.
+fn leaf_with<T: Toll, N: Nodes>(
+    forest: &Forest<N>,
+    leaf: u32,
+    bounds: &[Wide; 6],
+    below: u32,
     toll: &mut T,
-    open: &mut SmallVec<[Join; 64]>,
     visit: &mut impl FnMut(&mut T, u32, u32) -> Result<(), T::Stop>,
 ) -> Result<(), T::Stop> {
-    let child = |(_, node, lane): Lane<'_>| -> Child { node.children[lane] };
-    let number = |(index, _, lane): Lane<'_>| index * LANES as u32 + lane as u32;
-    match (child(a).target(), child(b).target()) {
-        (Target::Leaf(leaf), Target::Leaf(other)) => visit(toll, leaf, other)?,
-        (Target::Leaf(_), Target::Node(below)) => open.push(Join::LeafWith(number(a), below)),
-        (Target::Node(below), Target::Leaf(_)) => open.push(Join::LeafWith(number(b), below)),
-        (Target::Node(_), Target::Node(_)) => open.push(Join::Between(number(a), number(b))),
-        (Target::Nothing, _) | (_, Target::Nothing) => {}
+    toll.pay()?;
+    let node = forest.nodes.node(below);
+    for lane in node.touching(bounds) {
+        match node.children[lane].target() {
+            Target::Node(below) => leaf_with(forest, leaf, bounds, below, toll, visit)?,
+            Target::Leaf(other) => visit(toll, leaf, other)?,
+            Target::Nothing => {}
+        }
     }
     Ok(())
 }

@@ -5,7 +5,7 @@
 
 use std::ops::{Add, BitAnd, Mul, Sub};
 
-use glam::{BVec4A, Vec4};
+use glam::{BVec4A, Vec4, Vec4Swizzles};
 
 /// How many numbers there are.
 pub(super) const LANES: usize = 8;
@@ -43,6 +43,37 @@ impl Wide {
     pub(super) fn set(&mut self, lane: usize, value: f32) {
         let four: &mut [f32; 4] = self.0[lane / 4].as_mut();
         four[lane % 4] = value;
+    }
+
+    /// The floats of these bits.
+    #[inline]
+    pub(super) fn of_bits(bits: [u32; LANES]) -> Self {
+        let [a, b, c, d, e, f, g, h] = bits.map(f32::from_bits);
+        Self([Vec4::new(a, b, c, d), Vec4::new(e, f, g, h)])
+    }
+
+    /// A bit for each lane, that of the first the lowest: whether its number has the sign bit.
+    #[inline]
+    pub(super) fn negative(self) -> u32 {
+        self.0[0].is_negative_bitmask() | self.0[1].is_negative_bitmask() << 4
+    }
+
+    /// Each half turned, so that its second number comes first.
+    #[inline]
+    pub(super) fn turned(self) -> Self {
+        Self(self.0.map(Vec4Swizzles::yzwx))
+    }
+
+    /// The first half twice.
+    #[inline]
+    pub(super) fn first_twice(self) -> Self {
+        Self([self.0[0]; 2])
+    }
+
+    /// The second half, and that of another.
+    #[inline]
+    pub(super) fn seconds(self, other: Self) -> Self {
+        Self([self.0[1], other.0[1]])
     }
 
     #[inline]
