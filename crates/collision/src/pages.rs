@@ -81,6 +81,7 @@ impl<T, const PAGE: usize> Index<usize> for Pages<T, PAGE> {
 
 impl<T: Clone, const PAGE: usize> IndexMut<usize> for Pages<T, PAGE> {
     /// Copies the page first if a clone shares it.
+    #[inline]
     fn index_mut(&mut self, index: usize) -> &mut T {
         &mut Arc::make_mut(&mut self.pages[index / PAGE])[index % PAGE]
     }

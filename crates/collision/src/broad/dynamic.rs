@@ -15,6 +15,7 @@
 //! Catto, "Dynamic Bounding Volume Hierarchies", GDC 2019 (fat boxes, descent by the heuristic); Galperin and Rivest,
 //! "Scapegoat Trees", SODA 1993.
 
+mod ahead;
 mod check;
 mod links;
 mod tend;

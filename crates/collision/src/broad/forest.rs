@@ -180,9 +180,14 @@ impl<N> Forest<N> {
 impl<N: Nodes> Forest<N> {
     /// Notes the root of a cell, or that it has changed.
     pub(super) fn set_root(&mut self, cell: usize, root: u32) {
-        let bounds = self.nodes.node(root).bounds().in_world(self.cells[cell].origin);
+        self.cells[cell].root = root;
+        self.set_bounds(cell, self.nodes.node(root).bounds());
+    }
+
+    /// Notes the box of the root of a cell.
+    pub(super) fn set_bounds(&mut self, cell: usize, bounds: LocalBox) {
         let cell = &mut self.cells[cell];
-        (cell.root, cell.bounds) = (root, bounds);
+        cell.bounds = bounds.in_world(cell.origin);
     }
 }
 

@@ -140,12 +140,16 @@ impl Node {
 
     /// The box of everything below if the box of a lane were another.
     pub(super) fn bounds_with(&self, lane: usize, bounds: LocalBox) -> LocalBox {
-        let mut planes = self.planes;
-        for axis in 0..3 {
-            planes[axis].set(lane, bounds.min[axis]);
-            planes[axis + 3].set(lane, bounds.max[axis]);
-        }
-        bounds_of(&planes)
+        let this = Mask::only(lane);
+        let ([min_x, min_y, min_z, max_x, max_y, max_z], [min, max]) = (self.planes, [bounds.min, bounds.max]);
+        bounds_of(&[
+            min_x.with(this, min.x),
+            min_y.with(this, min.y),
+            min_z.with(this, min.z),
+            max_x.with(this, max.x),
+            max_y.with(this, max.y),
+            max_z.with(this, max.z),
+        ])
     }
 
     /// The layers of everything below.

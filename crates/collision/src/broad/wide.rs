@@ -76,6 +76,13 @@ impl Wide {
         Self([self.0[1], other.0[1]])
     }
 
+    /// As they are, but for those of some lanes.
+    #[inline]
+    pub(super) fn with(self, lanes: Mask, value: f32) -> Self {
+        let value = Vec4::splat(value);
+        Self([0, 1].map(|half| Vec4::select(lanes.0[half], value, self.0[half])))
+    }
+
     #[inline]
     pub(super) fn to_array(self) -> [f32; LANES] {
         let [a, b] = self.0.map(|four| four.to_array());
@@ -142,6 +149,13 @@ impl Add for Wide {
 }
 
 impl Mask {
+    /// One lane.
+    #[inline]
+    pub(super) fn only(lane: usize) -> Self {
+        let lane = Vec4::splat(lane as f32);
+        Self([Vec4::new(0.0, 1.0, 2.0, 3.0), Vec4::new(4.0, 5.0, 6.0, 7.0)].map(|number| number.cmpeq(lane)))
+    }
+
     /// A bit for each lane, that of the first the lowest.
     #[inline]
     pub(super) fn bits(self) -> u32 {

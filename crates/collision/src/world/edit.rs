@@ -9,7 +9,7 @@ use super::{
     history::{Bounds, Changes, Kept},
     ledger::Ledger,
     snapshot::Content,
-    state::State,
+    state::{READ_TOGETHER, State},
     tracks::Tracks,
 };
 
@@ -260,7 +260,15 @@ impl World {
         let mut tracks = Tracks::after(&state, self.sweep_rule);
         let mut changed_count = 0;
         let mut faults = Vec::new();
-        for (index, edit) in edits.into_iter().enumerate() {
+        let mut edits = edits.into_iter();
+        for index in 0.. {
+            if index % READ_TOGETHER == 0 {
+                let next = edits.as_slice();
+                state.read_ahead(&next[..next.len().min(READ_TOGETHER)]);
+            }
+            let Some(edit) = edits.next() else {
+                break;
+            };
             if let Some(tracks) = &mut tracks {
                 tracks.note(&edit, &state);
             }

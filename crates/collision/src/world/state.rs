@@ -1,6 +1,11 @@
 //! What a version of a world is made of, and the edits on it.
 
-use std::sync::{Arc, OnceLock};
+use std::{
+    hint::black_box,
+    sync::{Arc, OnceLock},
+};
+
+use smallvec::SmallVec;
 
 use super::{
     Edit, Shape, ShapeId, Tick,
@@ -69,6 +74,13 @@ const MARGIN_PER_STEP: f64 = 3.0;
 /// each tick leaves any fat box, and must not spoil the tree with a huge one.
 const MARGIN_PER_EXTENT: f64 = 0.5;
 
+/// Edits whose shapes are read together. More than a processor can wait for at once gain nothing.
+pub(super) const READ_TOGETHER: usize = 32;
+
+/// Shapes from which on that pays: of 100,000, moves cost a quarter less, of 10,000 they cost a twentieth more, as each is looked up
+/// twice and hardly waited for.
+const READ_AHEAD_MIN: usize = 1 << 15;
+
 impl State {
     /// A shape and its box.
     pub(super) fn get(&self, id: ShapeId) -> Option<&Entry> {
@@ -107,6 +119,20 @@ impl State {
             + self.ids.bytes_beside(&other.ids)
             + self.moving.bytes_beside(&other.moving)
             + own_fixed.map_or(0, Fixed::memory_bytes)
+    }
+
+    /// Reads what some edits will want, so that they need not wait for it one after the other. Changes nothing.
+    pub(super) fn read_ahead(&self, edits: &[Edit]) {
+        if self.shapes.len() < READ_AHEAD_MIN {
+            return;
+        }
+        let ids = edits.iter().filter_map(|edit| match edit {
+            Edit::Move { id, .. } | Edit::Remove(id) => Some(*id),
+            Edit::Insert(_) | Edit::Clear => None,
+        });
+        let slots: SmallVec<[Slot; READ_TOGETHER]> = ids.filter_map(|id| self.ids.get(id)).collect();
+        black_box(slots.iter().fold(0, |all, &slot| all ^ self.shapes.entry(slot).read_ahead()));
+        self.moving.read_ahead(slots.iter().map(|slot| slot.0));
     }
 
     /// Applies one edit and says how many shapes it changed; `Err` names the shape that it needs and that is not there.

@@ -216,3 +216,24 @@ fn far_moves_do_not_spoil_it_tick_by_tick() {
     }
     assert!(costs.iter().all(|&cost| cost < 1.4), "costs over those of fresh trees: {costs:.2?}");
 }
+
+#[test]
+fn to_read_ahead_changes_nothing_and_takes_any_numbers() {
+    let mut random = Random::new(3);
+    let mut tree = DynamicTree::default();
+    tree.read_ahead(0..100);
+    for leaf in 0..20_000 {
+        tree.insert(leaf, random_box(&mut random), 0.0, ALL_LAYERS);
+    }
+    tree.read_ahead(0..100);
+    tree.settle();
+    (0..64).for_each(|leaf| tree.remove(leaf));
+    tree.insert(20_000, random_box(&mut random), 0.0, ALL_LAYERS);
+    let (area, bytes) = (tree.area_sum(), tree.memory_bytes());
+    for count in [0, 1, 31, 32, 33, 1000] {
+        tree.read_ahead((0..count).map(|at| at * 30));
+    }
+    tree.read_ahead(19_990..20_100);
+    assert_eq!((tree.area_sum(), tree.memory_bytes(), tree.len()), (area, bytes, 19_937));
+    tree.assert_sound();
+}

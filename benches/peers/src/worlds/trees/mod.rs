@@ -129,7 +129,10 @@ fn rounds(
         || {
             let changes = rounds_ours.next(workload, step);
             time_of(|| {
-                changes.iter().for_each(|change| change_ours(&mut ours, change));
+                for changes in changes.chunks(ours::CHANGES_TOGETHER) {
+                    ours.read_ahead(changes.iter().map(|change| change.shape));
+                    changes.iter().for_each(|change| change_ours(&mut ours, change));
+                }
                 ours.settle();
             })
         },

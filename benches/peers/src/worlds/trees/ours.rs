@@ -6,6 +6,9 @@ use collision::{
     math::Aabb,
 };
 
+/// Changes whose leaves are read ahead together.
+pub(super) const CHANGES_TOGETHER: usize = 32;
+
 /// Boxes that come, move and go.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
@@ -16,6 +19,11 @@ impl Tree {
     /// The next leaf: they are numbered from 0.
     pub(super) fn insert(&mut self, leaf: u32, bounds: Aabb) {
         self.tree.insert(leaf, bounds, 0.0, ALL_LAYERS);
+    }
+
+    /// Before some changes.
+    pub(super) fn read_ahead(&self, leaves: impl Iterator<Item = u32>) {
+        self.tree.read_ahead(leaves);
     }
 
     pub(super) fn update(&mut self, leaf: u32, bounds: Aabb) {

@@ -134,7 +134,7 @@ impl DynamicTree {
         loop {
             let parent = self.parents[index as usize];
             if parent >= ROOT {
-                self.forest.set_root((parent ^ ROOT) as usize, index);
+                self.forest.set_bounds((parent ^ ROOT) as usize, bounds);
                 return;
             }
             let (above, lane) = (&self.forest.nodes[parent as usize / LANES], parent as usize % LANES);
