@@ -30,7 +30,7 @@ pub(crate) async fn read(newest: Arc<Snapshot>, read_at: ReadAt) -> Checked<Arc<
 }
 
 /// What is said of a version that cannot be read.
-fn refused(error: &HistoryError) -> Problem {
+pub(crate) fn refused(error: &HistoryError) -> Problem {
     match *error {
         HistoryError::Gone { asked, oldest, newest } => {
             let what = format!("is {asked}, which is no longer held: {}", held(oldest, newest));
@@ -53,6 +53,23 @@ fn refused(error: &HistoryError) -> Problem {
             Problem::at("read_at.tick_fraction", Reason::OutOfLimits, what)
         }
     }
+}
+
+/// Checks that a tick is held, which the field `field` names.
+///
+/// # Errors
+/// It is not, or not made yet.
+pub(crate) fn check_held(field: &str, tick: Tick, world: &Arc<Snapshot>) -> Checked<()> {
+    let (oldest, newest) = (world.oldest_tick(), world.newest_tick());
+    if tick < oldest {
+        let what = format!("is {tick}, which is no longer held: {}", held(oldest, newest));
+        return Err(not_held(field, what, oldest, newest));
+    }
+    if tick > newest {
+        let what = format!("is {tick}, which is not made yet: {}", held(oldest, newest));
+        return Err(not_held(field, what, oldest, newest));
+    }
+    Ok(())
 }
 
 /// Says which versions there are; if it is one, how to have more.

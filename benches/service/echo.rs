@@ -141,6 +141,10 @@ impl QueryService for Echo {
         not_asked()
     }
 
+    async fn first_touch(&self, _: Request<pb::FirstTouchRequest>) -> Result<Response<pb::FirstTouchResponse>, Status> {
+        not_asked()
+    }
+
     async fn resolve(&self, _: Request<pb::ResolveRequest>) -> Result<Response<pb::ResolveResponse>, Status> {
         not_asked()
     }

@@ -16,6 +16,7 @@ use super::{
 };
 use crate::{
     deadline::Deadline,
+    past,
     problem::{Checked, Problem, Reason},
 };
 
@@ -156,6 +157,7 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
             let what = format!("{error}: ask for less, with a looser accuracy or a narrower options.filter");
             Problem::new(Reason::QuotaExceeded, what).with("quota", "question_steps").with("limit", limit)
         }
+        QuestionError::History(error) => past::refused(error),
         QuestionError::Interrupted => Deadline::problem(),
     }
 }

@@ -12,6 +12,7 @@ pub(crate) mod columns;
 mod compound;
 pub(crate) mod depenetrate;
 pub(crate) mod edit;
+pub(crate) mod first_touch;
 pub(crate) mod geometry;
 mod height_field;
 pub(crate) mod hit_columns;

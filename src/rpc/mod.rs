@@ -13,6 +13,7 @@ mod download;
 mod edit;
 mod edit_stream;
 mod explain;
+mod first_touch;
 mod fork_session;
 mod geometries;
 mod geometry;

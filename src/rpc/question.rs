@@ -3,7 +3,7 @@
 use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
 
 use super::{
-    depenetrate, distance, move_character, overlap, penetration, raycast,
+    depenetrate, distance, first_touch, move_character, overlap, penetration, raycast,
     scene::{Asking, Scene},
     time_of_impact,
 };
@@ -37,12 +37,13 @@ pub(super) fn heading(sent: &pb::Question) -> Checked<Heading<'_>> {
         Some(Asked::Distance(sent)) => of("distance", sent),
         Some(Asked::MoveCharacter(sent)) => of("move_character", sent),
         Some(Asked::Depenetrate(sent)) => of("depenetrate", sent),
+        Some(Asked::FirstTouch(sent)) => of("first_touch", sent),
     }
 }
 
 fn no_question() -> Problem {
-    let what =
-        "is absent: it is one of raycast, overlap, penetration, time_of_impact, distance, move_character, depenetrate";
+    let what = "is absent: it is one of raycast, overlap, penetration, time_of_impact, distance, move_character, \
+                depenetrate, first_touch";
     Problem::at("question", Reason::Missing, what)
 }
 
@@ -60,6 +61,7 @@ pub(super) fn answer(sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
         Some(Asked::Distance(sent)) => distance::answer(sent, scene).map(Kind::Distance),
         Some(Asked::MoveCharacter(sent)) => move_character::answer(sent, scene).map(Kind::MoveCharacter),
         Some(Asked::Depenetrate(sent)) => depenetrate::answer(sent, scene).map(Kind::Depenetrate),
+        Some(Asked::FirstTouch(sent)) => first_touch::answer(sent, scene).map(Kind::FirstTouch),
         None => return Err(no_question()),
     };
     answered.under(name)

@@ -6,8 +6,8 @@ use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
 use super::{
-    Caller, Server, batch, depenetrate, distance, distance_batch, fitting, line_of_sight, move_character, overlap,
-    overlap_batch, pairs, penetration, query_stream, raycast, raycast_batch, resolve,
+    Caller, Server, batch, depenetrate, distance, distance_batch, first_touch, fitting, line_of_sight, move_character,
+    overlap, overlap_batch, pairs, penetration, query_stream, raycast, raycast_batch, resolve,
     scene::{Asking, Scene, unary},
     time_of_impact, time_of_impact_batch,
 };
@@ -59,6 +59,13 @@ impl pb::query_service_server::QueryService for Questions {
         request: Request<pb::DepenetrateRequest>,
     ) -> Result<Response<pb::DepenetrateResponse>, Status> {
         unary(&self.0, request, depenetrate::answer).await
+    }
+
+    async fn first_touch(
+        &self,
+        request: Request<pb::FirstTouchRequest>,
+    ) -> Result<Response<pb::FirstTouchResponse>, Status> {
+        first_touch::call(&self.0, request).await
     }
 
     async fn resolve(&self, request: Request<pb::ResolveRequest>) -> Result<Response<pb::ResolveResponse>, Status> {

@@ -202,6 +202,7 @@ asking!(
     pb::DistanceRequest,
     pb::MoveCharacterRequest,
     pb::DepenetrateRequest,
+    pb::FirstTouchRequest,
     pb::ResolveRequest,
     pb::PairsRequest,
     pb::BatchRequest,

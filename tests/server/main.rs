@@ -13,6 +13,7 @@ mod depenetrate;
 mod edit_stream;
 mod edits;
 mod explain;
+mod first_touch;
 mod forks;
 mod forms;
 mod geometries;

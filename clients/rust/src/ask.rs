@@ -73,6 +73,11 @@ pub fn depenetrate(subject: proto::Subject, gap: f64) -> proto::DepenetrateReque
     proto::DepenetrateRequest { subject: Some(subject), gap, ..proto::DepenetrateRequest::default() }
 }
 
+/// When the subject first touched something of the world, from this tick on, up to the newest.
+pub fn first_touch(subject: proto::Subject, from_tick: u64) -> proto::FirstTouchRequest {
+    proto::FirstTouchRequest { subject: Some(subject), from_tick, ..proto::FirstTouchRequest::default() }
+}
+
 /// Which of its targets' points each eye sees; a target is the list of its points. Positions are relative to `frame_origin` of the
 /// request, which is 0 unless it is set.
 ///

@@ -62,6 +62,8 @@ questions_of_the_session! {
     move_character(MoveCharacterRequest) -> MoveCharacterResponse as MoveCharacter;
     /// Which way out of everything that it overlaps does the subject have?
     depenetrate(DepenetrateRequest) -> DepenetrateResponse as Depenetrate;
+    /// When, in the past that is held, did the subject touch something first?
+    first_touch(FirstTouchRequest) -> FirstTouchResponse as FirstTouch;
 }
 
 fn overdue() -> Status {

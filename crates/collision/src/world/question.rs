@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::{
-    ShapeId,
+    HistoryError, ShapeId,
     notes::{Note, Notes},
     search::Side,
 };
@@ -96,6 +96,9 @@ pub enum QuestionError {
     /// The subject with its skin is out of limits.
     #[error("the subject cannot have this skin: {0}")]
     Skin(GeometryError),
+    /// A tick that it asks about is not held, or not made yet.
+    #[error(transparent)]
+    History(#[from] HistoryError),
     /// More pairs overlap than a list holds, or telling which takes too many steps.
     #[error(
         "more than {} pairs overlap, or telling which takes more than {} steps",

@@ -142,6 +142,11 @@ impl<'a> Moving<'a> {
         self.displacement == DVec3::ZERO && self.rotation == DVec3::ZERO
     }
 
+    /// The path of its box through a world that stands.
+    pub(super) fn path(&self) -> Path {
+        sweep(self.turning, self.displacement, DVec3::ZERO)
+    }
+
     /// The path of this shape's box, as seen by another.
     fn path_past(&self, other: &Self) -> Path {
         sweep(self.turning, self.displacement, other.displacement)
@@ -207,7 +212,7 @@ impl Traffic<'_> {
     fn standing_near(&self, bullet: &Moving<'_>, found: &mut Vec<Candidate>, work: &mut Work) {
         let mut go_on = || true;
         let mut meter = Meter::new(&mut go_on);
-        let path = sweep(bullet.turning, bullet.displacement, DVec3::ZERO);
+        let path = bullet.path();
         let layers = bullet.side.shape.map_or(ALL_LAYERS, |shape| shape.collides_with);
         let visited = self.new.along(&Line::new(&path), 1.0, layers, &mut meter, |_, side| {
             let travelled = |id: ShapeId| self.moving.binary_search_by_key(&id, |moving| moving.id).is_ok();

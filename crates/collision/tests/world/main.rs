@@ -8,6 +8,7 @@ mod determinism;
 mod edited;
 mod edits;
 mod filters;
+mod first_touch;
 mod half_spaces;
 mod history;
 mod history_bounds;

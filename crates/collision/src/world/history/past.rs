@@ -17,7 +17,7 @@ use super::{
     kept::Ground,
     span::{Instant, Rest, Span},
 };
-use crate::broad::StaticTree;
+use crate::{broad::StaticTree, math::Pose};
 
 /// A past moment of a world.
 #[derive(Debug)]
@@ -64,6 +64,11 @@ impl Past {
     /// A shape.
     pub(in crate::world) fn find(&self, id: ShapeId) -> Option<Side<'_>> {
         self.span.find(id, self.instant)
+    }
+
+    /// A shape at the tick at or before, and where it went from there.
+    fn way(&self, id: ShapeId) -> Option<(Side<'_>, Option<Pose>)> {
+        self.span.way(id, self.instant)
     }
 
     /// A shape, with its velocities.
@@ -130,12 +135,30 @@ impl Snapshot {
         }
     }
 
+    /// A shape at the tick at or before this moment, and where it went from there by the next tick; `None` there if it stood until
+    /// then, or if this moment is that tick.
+    pub(in crate::world) fn way(&self, id: ShapeId) -> Option<(Side<'_>, Option<Pose>)> {
+        match &self.content {
+            Content::Now(_) => self.find(id).map(|side| (side, None)),
+            Content::Then(past) => past.way(id),
+        }
+    }
+
     /// The oldest tick that [`Snapshot::at`] can give.
     #[must_use]
     pub fn oldest_tick(&self) -> Tick {
         match &self.content {
             Content::Now(_) => self.history.oldest(self.tick),
             Content::Then(past) => past.newest.oldest_tick(),
+        }
+    }
+
+    /// The newest tick that [`Snapshot::at`] can give.
+    #[must_use]
+    pub fn newest_tick(&self) -> Tick {
+        match &self.content {
+            Content::Now(_) => self.tick,
+            Content::Then(past) => past.newest.tick,
         }
     }
 

@@ -13,7 +13,11 @@ use super::{
     Changes,
     track::{Origin, Placement, Track},
 };
-use crate::{broad::StaticTree, math::Aabb, narrow::Placed};
+use crate::{
+    broad::StaticTree,
+    math::{Aabb, Pose},
+    narrow::Placed,
+};
 
 /// Which shapes the trees of the base are searched for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +85,15 @@ impl Span {
         }
         let slot = self.base.ids.get(id).filter(|&slot| !self.is_overridden(slot))?;
         Some(Side::of(self.base.shapes.entry(slot)))
+    }
+
+    /// A shape at the tick of an instant, by its id, and where it went from there by the next one; `None` there if it stood, or
+    /// if the instant is that tick.
+    pub(super) fn way(&self, id: ShapeId, instant: Instant) -> Option<(Side<'_>, Option<Pose>)> {
+        let side = self.find(id, Instant { fraction: 0.0, ..instant })?;
+        let track = self.track_of(id, instant).filter(|_| instant.fraction > 0.0);
+        let end = track.and_then(|leaf| self.tracks[leaf as usize].end(instant.at, &self.placements));
+        Some((side, end))
     }
 
     /// A shape at an instant, by its id, with its velocities.

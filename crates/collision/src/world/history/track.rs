@@ -117,6 +117,13 @@ impl Track {
         pose.between(&self.placement(at + 1, placements).pose, fraction)
     }
 
+    /// Where it went from a tick to the next; `None` if it stood until then.
+    pub(super) fn end(&self, at: u8, placements: &[Placement]) -> Option<Pose> {
+        let next = 1_u16 << (at + 1);
+        let went = self.moved & next != 0 && self.jumped & next == 0;
+        went.then(|| self.placement(at + 1, placements).pose)
+    }
+
     /// A box that holds its canonical box at every moment of the span.
     pub(super) fn bounds(&self, geometry: &Geometry, placements: &[Placement]) -> Aabb {
         let pose = self.placement(self.first, placements).pose;
