@@ -147,6 +147,26 @@ impl Geometries {
         Self { held: Mutex::new(held), quota_bytes: self.quota_bytes }
     }
 
+    /// A place for geometries that come with a world, of which it is not sure yet that all come; with the same quota.
+    pub(crate) fn staging(&self) -> Self {
+        Self::new(self.quota_bytes)
+    }
+
+    /// Takes in those that came with a world of so many shapes, all or none.
+    ///
+    /// # Errors
+    /// The memory quota.
+    pub(crate) fn adopt(&self, staged: Self, shape_count: usize) -> Checked<()> {
+        let mut staged = staged.held.into_inner();
+        let bytes = staged.count_bytes();
+        let mut held = self.held.lock();
+        held.check_quota(bytes + shape_bytes(shape_count), self.quota_bytes)?;
+        held.counted_bytes += bytes;
+        held.registered.extend(staged.registered);
+        held.in_place.extend(staged.in_place);
+        Ok(())
+    }
+
     /// Registers a geometry; the one that is kept, if there is an equal one.
     ///
     /// # Errors

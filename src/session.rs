@@ -10,7 +10,7 @@ use std::{
 };
 
 use arc_swap::ArcSwap;
-use collision::world::{Edit, EditError, EditReport, EditRule, Snapshot, Tick, Time};
+use collision::world::{Edit, EditError, EditReport, EditRule, Snapshot, Tick, Time, World};
 use parking_lot::Mutex;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, broadcast, watch};
 use tokio_util::sync::CancellationToken;
@@ -212,13 +212,61 @@ impl Session {
         if let Ok(report) = &applied {
             let took = u64::try_from(begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
             self.counters.last_commit_ns.store(took, Ordering::Relaxed);
-            self.newest.store(writer.world.newest());
-            self.newest_tick.send_replace(report.tick);
-            // An error says that nobody watches.
-            let _ = self.versions.send(writer.world.newest());
+            self.publish(writer);
             self.counters.edits.fetch_add(report.changed_count, Ordering::Relaxed);
         }
         Ok(applied)
+    }
+
+    /// Makes the newest version of the world seen.
+    fn publish(&self, writer: &Writer) {
+        let newest = writer.world.newest();
+        self.newest.store(newest.clone());
+        self.newest_tick.send_replace(newest.tick());
+        // An error says that nobody watches.
+        let _ = self.versions.send(newest);
+    }
+
+    /// Makes the world another, which came whole from outside, and its geometries those of the session.
+    ///
+    /// # Errors
+    /// As [`Session::check_importable`]; a quota; the world is in quarantine. Nothing is changed then.
+    pub(crate) fn import(&self, writer: &mut Writer, world: World, geometries: Geometries) -> Checked<()> {
+        let imported = world.newest();
+        self.check_importable(imported.tick())?;
+        self.check_shape_count(imported.len())?;
+        writer.replace(world, || self.geometries.adopt(geometries, imported.len()))?;
+        self.publish(writer);
+        self.counters.edits.fetch_add(imported.len() as u64, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// Checks that a world of this tick may take the place of the session's.
+    ///
+    /// # Errors
+    /// The session's is not empty, or its tick would go back.
+    pub(crate) fn check_importable(&self, tick: Tick) -> Checked<()> {
+        let newest = self.newest();
+        let held = newest.len();
+        if held > 0 {
+            let what = format!(
+                "the world of session {:?} holds {held} shapes, and an import fills an empty one: import into a new session, \
+                 made by CreateSession, or clear this one first, by Edit with {{\"edits\": [{{\"clear\": {{}}}}]}}",
+                self.id
+            );
+            return Err(Problem::new(Reason::WorldNotEmpty, what));
+        }
+        let is_ahead = tick > newest.tick() || newest.tick() == Tick::MIN;
+        if !is_ahead {
+            let what = format!(
+                "the world of session {:?} is at tick {}, and the import at tick {tick}: ticks never go back, so import into a \
+                 new session, made by CreateSession",
+                self.id,
+                newest.tick()
+            );
+            return Err(Problem::new(Reason::WorldNotEmpty, what));
+        }
+        Ok(())
     }
 
     /// Each version that is made from now on.
@@ -319,12 +367,21 @@ impl Session {
             let new: HashSet<_> = inserted.filter(|&id| !newest.contains(id)).collect();
             shape_count = newest.len() + new.len();
         }
-        if shape_count > self.shape_quota {
-            let limit = self.shape_quota;
-            let what = format!("the world would hold {shape_count} shapes and may hold {limit}: remove some first");
-            return Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "session_shapes").with("limit", limit));
-        }
+        self.check_shape_count(shape_count)?;
         self.geometries.check_room(shape_count)
+    }
+
+    /// Checks that a world may hold so many shapes.
+    ///
+    /// # Errors
+    /// It may not.
+    pub(crate) fn check_shape_count(&self, shape_count: usize) -> Checked<()> {
+        let limit = self.shape_quota;
+        if shape_count <= limit {
+            return Ok(());
+        }
+        let what = format!("the world would hold {shape_count} shapes and may hold {limit}: remove some first");
+        Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "session_shapes").with("limit", limit))
     }
 }
 

@@ -118,6 +118,16 @@ impl Writer {
         self.guarded(|world| world.apply(edits, time, rule))
     }
 
+    /// Puts another world in the place of this one, if `prepare` has nothing against it.
+    ///
+    /// # Errors
+    /// Those of `prepare`; the world is in quarantine.
+    pub(crate) fn replace(&mut self, world: World, prepare: impl FnOnce() -> Checked<()>) -> Checked<()> {
+        self.guarded(|_| {})?;
+        prepare()?;
+        self.guarded(|held| *held = world)
+    }
+
     /// Changes the world, unless it is in quarantine; a panic puts it there.
     fn guarded<T>(&mut self, change: impl FnOnce(&mut World) -> T) -> Checked<T> {
         if let Some(problem) = &self.quarantine {

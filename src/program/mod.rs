@@ -2,6 +2,7 @@
 
 mod account;
 mod ask;
+mod carry;
 mod demo;
 mod explain;
 mod input;
@@ -51,6 +52,10 @@ enum Command {
     Describe(ask::Describe),
     /// Asks a question again that was kept in a file, and tells what was done
     Explain(explain::Explain),
+    /// Keeps a world in a file
+    Export(carry::Export),
+    /// Fills an empty world from a file
+    Import(carry::Import),
 }
 
 /// Why a command failed, as one sentence for people.
@@ -86,6 +91,8 @@ pub(crate) fn run() -> ExitCode {
             Command::Overlap(command) => command.run(&mut out).await,
             Command::Describe(command) => command.run(&mut out).await,
             Command::Explain(command) => command.run(&mut out).await,
+            Command::Export(command) => command.run(&mut out).await,
+            Command::Import(command) => command.run(&mut out).await,
         }
     });
     match done {

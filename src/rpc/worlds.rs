@@ -6,7 +6,8 @@ use tonic::{Request, Response, Status, Streaming};
 use wire::v1 as pb;
 
 use super::{
-    Server, describe_world, edit, edit_stream, explain, later, list_shapes, update_world, watch_overlaps, watch_world,
+    Server, describe_world, edit, edit_stream, explain, export_world, import_world, list_shapes, update_world,
+    watch_overlaps, watch_world,
 };
 
 /// `WorldService`.
@@ -79,15 +80,15 @@ impl pb::world_service_server::WorldService for Worlds {
 
     async fn export_world(
         &self,
-        _request: Request<pb::ExportWorldRequest>,
+        request: Request<pb::ExportWorldRequest>,
     ) -> Result<Response<Self::ExportWorldStream>, Status> {
-        Err(later::EXPORT_WORLD.into())
+        export_world::open(&self.0, request).await
     }
 
     async fn import_world(
         &self,
-        _request: Request<Streaming<pb::ImportWorldRequest>>,
+        request: Request<Streaming<pb::ImportWorldRequest>>,
     ) -> Result<Response<pb::ImportWorldResponse>, Status> {
-        Err(later::IMPORT_WORLD.into())
+        import_world::answer(&self.0, request).await
     }
 }

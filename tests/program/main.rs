@@ -2,6 +2,7 @@
 
 mod arguments;
 mod binary;
+mod carry;
 mod demo;
 mod explain;
 mod load;

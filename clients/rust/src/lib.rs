@@ -28,6 +28,7 @@ mod calls;
 mod client;
 pub mod edit;
 mod error;
+mod export;
 pub mod geometry;
 mod pipeline;
 pub mod shape;

@@ -146,6 +146,12 @@ impl Snapshot {
         self.time
     }
 
+    /// The settings in force when it was made.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
     /// How many shapes it holds.
     #[must_use]
     pub fn len(&self) -> usize {
