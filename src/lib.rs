@@ -27,4 +27,5 @@ mod retry;
 mod rpc;
 mod session;
 mod token;
+mod traces;
 mod writer;

@@ -51,6 +51,7 @@ pub fn bare(mut answer: pb::Answer) -> pb::Answer {
         Some(Kind::TimeOfImpact(it)) => it.info = None,
         Some(Kind::Distance(it)) => it.info = None,
         Some(Kind::MoveCharacter(it)) => it.info = None,
+        Some(Kind::FirstTouch(it)) => it.info = None,
         Some(Kind::Depenetrate(it)) => it.info = None,
         Some(Kind::Problem(_)) | None => {}
     }
@@ -67,6 +68,7 @@ pub fn info_of(answer: &pb::Answer) -> Option<&pb::AnswerInfo> {
         Kind::TimeOfImpact(it) => it.info.as_ref(),
         Kind::Distance(it) => it.info.as_ref(),
         Kind::MoveCharacter(it) => it.info.as_ref(),
+        Kind::FirstTouch(it) => it.info.as_ref(),
         Kind::Depenetrate(it) => it.info.as_ref(),
         Kind::Problem(_) => None,
     }

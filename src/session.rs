@@ -23,6 +23,7 @@ use crate::{
     past,
     problem::{Checked, Problem, Reason},
     token::{Role, Tokens},
+    traces::Traces,
     writer::{When, Writer},
 };
 
@@ -76,6 +77,8 @@ pub(crate) struct Session {
     pub(crate) lease: Lease,
     pub(crate) geometries: Geometries,
     pub(crate) counters: Counters,
+    /// The questions that are asked, for those who watch them.
+    pub(crate) traces: Arc<Traces<wire::v1::Trace>>,
     /// The one writer. Whoever waits for it gives way to others meanwhile; large batches hold it on another thread.
     pub(crate) writer: Arc<tokio::sync::Mutex<Writer>>,
     /// Cancelled when the session ends.
@@ -110,6 +113,7 @@ impl Session {
             lease: Lease::new(lease),
             geometries,
             counters: Counters::default(),
+            traces: Arc::default(),
             writer: Arc::new(tokio::sync::Mutex::new(writer)),
             ended: CancellationToken::new(),
             access,

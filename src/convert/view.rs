@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     geometries::id_text,
-    problem::{Checked, Problem, Reason, Under},
+    problem::{Checked, Under},
 };
 
 /// Messages a second at most, and if nothing is said.
@@ -31,13 +31,8 @@ const REMOVED: usize = 16_384;
 /// What a viewer is to see, and how many messages a second.
 ///
 /// # Errors
-/// What is wrong with it, or not served yet.
+/// What is wrong with it.
 pub(crate) fn view(sent: &pb::WatchWorldRequest) -> Checked<(View, usize)> {
-    if sent.questions {
-        let what = "is set, which is not served yet: a later version will send the questions that were asked; leave it \
-                    out for the shapes alone";
-        return Err(Problem::at("questions", Reason::NotYet, what));
-    }
     let bounds = sent.bounds.as_ref().map(aabb).transpose().under("bounds")?;
     let filter = filter(sent.filter.as_ref()).under("filter")?;
     Ok((View { bounds, filter }, count("max_rate", sent.max_rate, RATE, RATE_MAX)?))

@@ -51,6 +51,7 @@ fn asked(replay: &proto::Replay) -> String {
         Question::TimeOfImpact(it) => ("time of impact", to_json("TimeOfImpactRequest", it)),
         Question::Distance(it) => ("distance", to_json("DistanceRequest", it)),
         Question::MoveCharacter(it) => ("move character", to_json("MoveCharacterRequest", it)),
+        Question::FirstTouch(it) => ("first touch", to_json("FirstTouchRequest", it)),
         Question::Depenetrate(it) => ("depenetrate", to_json("DepenetrateRequest", it)),
     };
     format!("{name} {json}")
@@ -163,6 +164,11 @@ fn answer(kept: &proto::Answer) -> String {
             let mut lines = vec![format!("  it ends at {}", vector(it.position))];
             lines.extend(hits(&it.hits, |hit| (hit.id, hit.fraction, hit.certificate)));
             (it.verdict(), lines, false)
+        }
+        Answer::FirstTouch(it) => {
+            let impact = |hit: &proto::PastTouch| hit.impact.clone().unwrap_or_default();
+            let hits = hits(&it.hits, |hit| (impact(hit).id, impact(hit).fraction, impact(hit).certificate));
+            (it.verdict(), hits, it.truncated)
         }
         Answer::Depenetrate(it) => {
             let mut lines =

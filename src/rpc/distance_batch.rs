@@ -1,11 +1,11 @@
 //! `DistanceBatch`: what is nearest to one geometry at many places, as columns.
 
 use collision::world::{Distance, Subject};
-use wire::v1 as pb;
+use wire::v1::{self as pb, answer::Answer as Kind};
 
 use super::{items::Items, scene::Scene};
 use crate::{
-    convert::{columns::Distances, hit_columns::Hits, places::Places},
+    convert::{answer, columns::Distances, hit_columns::Hits, places::Places, trace},
     problem::Checked,
 };
 
@@ -26,7 +26,11 @@ pub(super) async fn answer(sent: &pb::DistanceBatchRequest, scene: &Scene) -> Ch
             Distance { subject: Subject::Geometry { geometry, pose }, against: None, max_distance, max_hits: 1 };
         let ask =
             items.ask(index, None, |world, filter, accuracy, meter| world.distance(&question, filter, accuracy, meter));
-        hits.add(&ask.await?, max_distance)?;
+        let found = ask.await?;
+        if index == 0 {
+            scene.tell(|| (trace::distance(sent, &pose, max_distance), answer::distance(&found).map(Kind::Distance)));
+        }
+        hits.add(&found, max_distance)?;
     }
     Ok(pb::DistanceBatchResponse { hits: Some(hits.finish()), info: items.info() })
 }

@@ -79,6 +79,11 @@ pub(super) async fn answer(
         let refused: Checked<()> = Err(Problem::at("session", Reason::OutOfLimits, what));
         refused.under(heading.name).under("question")?;
     }
+    if matches!(question.question, Some(Asked::FirstTouch(_))) {
+        let what = "depends on many ticks, and a replay holds one: ask FirstTouch, and explain the time_of_impact of what it names, \
+                    with its tick as options.read_at";
+        return Err(Problem::at("question.first_touch", Reason::OutOfLimits, what).into());
+    }
     let scene = Scene::enter(server, &caller, &session, heading.options).await;
     let scene = scene.under(heading.name).under("question")?;
     let replay = compute::run(Weight::Heavy, "explaining a question", move || replay(question, scene)).await?;
@@ -142,7 +147,7 @@ fn answered(answer: Checked<Kind>) -> pb::Answer {
 /// What a question is about, and against.
 fn subjects(question: &pb::Question) -> impl Iterator<Item = &pb::Subject> {
     let [subject, against] = match &question.question {
-        Some(Asked::Raycast(_)) | None => [None, None],
+        Some(Asked::Raycast(_) | Asked::FirstTouch(_)) | None => [None, None],
         Some(Asked::Overlap(it)) => [it.subject.as_ref(), it.against.as_ref()],
         Some(Asked::Penetration(it)) => [it.subject.as_ref(), it.against.as_ref()],
         Some(Asked::TimeOfImpact(it)) => [it.subject.as_ref(), it.against.as_ref()],

@@ -1,7 +1,7 @@
 //! `FirstTouch`: when, in the past that is held, the subject touched something first.
 
 use tonic::{Request, Response, Status};
-use wire::v1 as pb;
+use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
 
 use super::{Caller, Server, scene::Scene};
 use crate::{
@@ -21,7 +21,12 @@ pub(super) async fn call(
     let caller = Caller::of(&request);
     let asked = request.into_inner();
     let scene = Scene::of(server, &caller, &asked).await?;
-    let answered = compute::run(Weight::Heavy, "answering a question", move || answer(&asked, &scene)).await?;
+    let answered = compute::run(Weight::Heavy, "answering a question", move || {
+        let answered = answer(&asked, &scene);
+        scene.tell(|| (Asked::FirstTouch(asked), answered.clone().map(Kind::FirstTouch)));
+        answered
+    })
+    .await?;
     Ok(Response::new(answered))
 }
 
@@ -32,7 +37,7 @@ pub(super) async fn call(
 pub(super) fn answer(sent: &pb::FirstTouchRequest, scene: &Scene) -> Checked<pb::FirstTouchResponse> {
     let question = first_touch::first_touch(sent, &scene.session.geometries, &scene.snapshot)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (found, work) =
-        scene.ask(|meter| scene.snapshot.first_touch(&question, &terms.filter, &terms.accuracy, meter))?;
-    Ok(pb::FirstTouchResponse { info: scene.info(&terms, &work), ..first_touch::touched(&found)? })
+    let (found, account) =
+        scene.ask(&terms, |meter| scene.snapshot.first_touch(&question, &terms.filter, &terms.accuracy, meter))?;
+    Ok(pb::FirstTouchResponse { info: scene.info(&terms, account), ..first_touch::touched(&found)? })
 }

@@ -1,11 +1,11 @@
 //! `OverlapBatch`: one geometry at many places, as columns.
 
 use collision::world::{Overlap, Subject};
-use wire::v1 as pb;
+use wire::v1::{self as pb, answer::Answer as Kind};
 
 use super::{items::Items, scene::Scene};
 use crate::{
-    convert::{hit_columns::Touching, number::count, places::Places},
+    convert::{answer, hit_columns::Touching, number::count, places::Places, trace},
     problem::Checked,
 };
 
@@ -24,7 +24,11 @@ pub(super) async fn answer(sent: &pb::OverlapBatchRequest, scene: &Scene) -> Che
         let question = Overlap { subject: Subject::Geometry { geometry, pose }, against: None, max_hits };
         let ask =
             items.ask(index, None, |world, filter, accuracy, meter| world.overlap(&question, filter, accuracy, meter));
-        touching.add(&ask.await?);
+        let found = ask.await?;
+        if index == 0 {
+            scene.tell(|| (trace::overlap(sent, &pose), answer::overlap(&found).map(Kind::Overlap)));
+        }
+        touching.add(&found);
     }
     Ok(pb::OverlapBatchResponse { info: items.info(), ..touching.finish() })
 }

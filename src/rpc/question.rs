@@ -64,5 +64,9 @@ pub(super) fn answer(sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
         Some(Asked::FirstTouch(sent)) => first_touch::answer(sent, scene).map(Kind::FirstTouch),
         None => return Err(no_question()),
     };
-    answered.under(name)
+    let answered = answered.under(name);
+    if let Some(asked) = &sent.question {
+        scene.tell(|| (asked.clone(), answered.clone()));
+    }
+    answered
 }

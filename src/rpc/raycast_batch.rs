@@ -1,10 +1,10 @@
 //! `RaycastBatch`: many rays, as columns.
 
-use wire::v1 as pb;
+use wire::v1::{self as pb, answer::Answer as Kind};
 
 use super::{items::Items, scene::Scene};
 use crate::{
-    convert::{hit_columns::Hits, rays::Rays},
+    convert::{answer, hit_columns::Hits, rays::Rays, trace},
     problem::Checked,
 };
 
@@ -20,7 +20,11 @@ pub(super) async fn answer(sent: &pb::RaycastBatchRequest, scene: &Scene) -> Che
         let (question, ignored) = rays.item(index)?;
         let ask = items
             .ask(index, ignored, |world, filter, accuracy, meter| world.raycast(&question, filter, accuracy, meter));
-        hits.add(&ask.await?, question.ray.max_distance)?;
+        let found = ask.await?;
+        if index == 0 {
+            scene.tell(|| (trace::ray(sent, &question.ray), answer::raycast(&found).map(Kind::Raycast)));
+        }
+        hits.add(&found, question.ray.max_distance)?;
     }
     Ok(pb::RaycastBatchResponse { hits: Some(hits.finish()), info: items.info() })
 }

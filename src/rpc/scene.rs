@@ -9,7 +9,7 @@ use collision::{
 };
 use prost::Message;
 use tonic::{Request, Response, Status};
-use wire::v1 as pb;
+use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
 
 use super::{
     Caller, Server,
@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     compute::{self, Weight},
-    convert::{answer, question},
+    convert::{answer, question, trace::trace},
     deadline::Deadline,
     fence::fenced,
     problem::{Checked, Under},
@@ -158,6 +158,14 @@ impl Scene {
         Ok((found, Account::of(work, notes.as_ref())?))
     }
 
+    /// Tells those who watch what was asked and answered; if nobody does, that costs nothing.
+    pub(super) fn tell(&self, told: impl FnOnce() -> (Asked, Checked<Kind>)) {
+        self.session.traces.tell(|| {
+            let (asked, answered) = told();
+            trace(asked, answered)
+        });
+    }
+
     /// What an answer says about itself.
     pub(super) fn info(&self, terms: &Terms, account: Account) -> Option<pb::AnswerInfo> {
         let told = terms.explain.then(|| account.into_info());
@@ -178,10 +186,20 @@ pub(super) trait Asking: Message + 'static {
     fn session(&self) -> &str;
     /// What applies to it.
     fn options(&self) -> Option<&pb::QueryOptions>;
+    /// The same as a question of any kind; `None` for what is no single question of such a kind.
+    fn of_any_kind(&self) -> Option<Asked> {
+        None
+    }
+}
+
+/// An answer to one question.
+pub(super) trait Answering: Message + 'static {
+    /// As that of a question of any kind; `None` for what is of no such kind.
+    fn of_any_kind(&self) -> Option<Kind>;
 }
 
 macro_rules! asking {
-    ($($request:ty),*) => {
+    ($($request:ty $(= $kind:ident $answer:ty)?),*) => {
         $(impl Asking for $request {
             fn session(&self) -> &str {
                 &self.session
@@ -190,19 +208,29 @@ macro_rules! asking {
             fn options(&self) -> Option<&pb::QueryOptions> {
                 self.options.as_ref()
             }
-        })*
+
+            $(fn of_any_kind(&self) -> Option<Asked> {
+                Some(Asked::$kind(self.clone()))
+            })?
+        }
+
+        $(impl Answering for $answer {
+            fn of_any_kind(&self) -> Option<Kind> {
+                Some(Kind::$kind(self.clone()))
+            }
+        })?)*
     };
 }
 
 asking!(
-    pb::RaycastRequest,
-    pb::OverlapRequest,
-    pb::PenetrationRequest,
-    pb::TimeOfImpactRequest,
-    pb::DistanceRequest,
-    pb::MoveCharacterRequest,
-    pb::DepenetrateRequest,
-    pb::FirstTouchRequest,
+    pb::RaycastRequest = Raycast pb::RaycastResponse,
+    pb::OverlapRequest = Overlap pb::OverlapResponse,
+    pb::PenetrationRequest = Penetration pb::PenetrationResponse,
+    pb::TimeOfImpactRequest = TimeOfImpact pb::TimeOfImpactResponse,
+    pb::DistanceRequest = Distance pb::DistanceResponse,
+    pb::MoveCharacterRequest = MoveCharacter pb::MoveCharacterResponse,
+    pb::DepenetrateRequest = Depenetrate pb::DepenetrateResponse,
+    pb::FirstTouchRequest = FirstTouch pb::FirstTouchResponse,
     pb::ResolveRequest,
     pb::PairsRequest,
     pb::BatchRequest,
@@ -213,11 +241,17 @@ asking!(
     pb::LineOfSightRequest
 );
 
+impl Answering for pb::ResolveResponse {
+    fn of_any_kind(&self) -> Option<Kind> {
+        None
+    }
+}
+
 /// Answers a unary question.
 ///
 /// # Errors
 /// What is wrong with it.
-pub(super) async fn unary<Q: Asking, A: Message + 'static>(
+pub(super) async fn unary<Q: Asking, A: Answering>(
     server: &Server,
     request: Request<Q>,
     answer: fn(&Q, &Scene) -> Checked<A>,
@@ -226,6 +260,17 @@ pub(super) async fn unary<Q: Asking, A: Message + 'static>(
     let asked = request.into_inner();
     let scene = Scene::of(server, &caller, &asked).await?;
     let weight = Weight::of_message(asked.encoded_len());
-    let answered = compute::run(weight, "answering a question", move || answer(&asked, &scene)).await?;
+    let answered = compute::run(weight, "answering a question", move || {
+        let answered = answer(&asked, &scene);
+        scene.session.traces.tell(|| {
+            let told = match &answered {
+                Ok(answered) => Ok(answered.of_any_kind()?),
+                Err(problem) => Err(problem.clone()),
+            };
+            trace(asked.of_any_kind()?, told)
+        });
+        answered
+    })
+    .await?;
     Ok(Response::new(fitting(answered, "ask for fewer hits")?))
 }

@@ -5,11 +5,11 @@ use collision::{
     narrow::InitialTouch,
     world::{HitMode, Subject, TimeOfImpact},
 };
-use wire::v1 as pb;
+use wire::v1::{self as pb, answer::Answer as Kind};
 
 use super::{items::Items, scene::Scene};
 use crate::{
-    convert::{hit_columns::Hits, places::Ways},
+    convert::{answer, hit_columns::Hits, places::Ways, trace},
     problem::Checked,
 };
 
@@ -39,7 +39,12 @@ pub(super) async fn answer(
         let ask = items.ask(index, None, |world, filter, accuracy, meter| {
             world.time_of_impact(&question, filter, accuracy, meter)
         });
-        hits.add(&ask.await?, 1.0)?;
+        let found = ask.await?;
+        if index == 0 {
+            let asked = || trace::time_of_impact(sent, &start, &end);
+            scene.tell(|| (asked(), answer::time_of_impact(&found).map(Kind::TimeOfImpact)));
+        }
+        hits.add(&found, 1.0)?;
     }
     Ok(pb::TimeOfImpactBatchResponse { hits: Some(hits.finish()), info: items.info() })
 }

@@ -2,7 +2,8 @@
 //!
 //! # Method
 //! At each turn the newest version is compared with the one that was told last, however many ticks lie between them. Nothing
-//! is noted in between, so a viewer costs the writer nothing, and a slow one is told less often.
+//! is noted in between, so a viewer costs the writer nothing, and a slow one is told less often. Questions, if they are
+//! watched, wait in a ring of their own, so a viewer costs those who ask no more than a copy.
 
 use std::{
     ops::ControlFlow,
@@ -11,6 +12,7 @@ use std::{
 };
 
 use collision::world::{Snapshot, View};
+use prost::Message;
 use tokio::{sync::OwnedSemaphorePermit, time::timeout};
 use tokio_util::sync::CancellationToken;
 use tonic::{Request, Response, Status};
@@ -27,10 +29,13 @@ use crate::{
     problem::{Checked, Problem, Reason},
     session::Session,
     token::Role,
+    traces::Watching,
 };
 
 /// Messages that wait for a reader.
 const UNREAD_MESSAGES: usize = 2;
+/// What the questions of a message may take: what is shown beside them takes up to 2 MiB.
+const TRACES_BYTES: usize = 1 << 20;
 /// How often ticks that change nothing in view are told.
 const QUIET: Duration = Duration::from_secs(1);
 
@@ -46,7 +51,9 @@ pub(super) fn open(
 ) -> Result<Response<Answers<pb::WatchWorldResponse>>, Status> {
     let caller = Caller::of(&request);
     let sent = request.into_inner();
-    let session = server.enter(&caller, &sent.session, Role::Reader)?;
+    // What others ask is the owner's to know.
+    let least = if sent.questions { Role::Owner } else { Role::Reader };
+    let session = server.enter(&caller, &sent.session, least)?;
     let (view, rate) = view::view(&sent)?;
     let viewer = Viewer {
         view: Arc::new(view),
@@ -57,7 +64,8 @@ pub(super) fn open(
         _place: session.watching()?,
         session,
     };
-    let answers = stream(UNREAD_MESSAGES, |answers| async move { Ok(viewer.run(&answers).await?) });
+    let questions = sent.questions.then(|| viewer.session.traces.watch());
+    let answers = stream(UNREAD_MESSAGES, |answers| async move { Ok(viewer.run(questions, &answers).await?) });
     Ok(Response::new(answers))
 }
 
@@ -85,7 +93,7 @@ struct Turn {
 }
 
 impl Viewer {
-    async fn run(&self, answers: &Sent) -> Checked<()> {
+    async fn run(&self, mut questions: Option<Watching<pb::Trace>>, answers: &Sent) -> Checked<()> {
         let _lease = self.session.lease.hold();
         let mut ticks = self.session.ticks();
         let mut told: Option<Arc<Snapshot>> = None;
@@ -98,8 +106,9 @@ impl Viewer {
             let newest = self.session.newest();
             let turn = self.turn(told.take(), &newest, nodes.take()).await?;
             nodes = turn.nodes;
-            if turn.changed || spoken.elapsed() >= QUIET {
-                if send(answers, turn.shown, &newest, told_count).await?.is_break() {
+            let asked = questions.as_mut().map(Told::of).unwrap_or_default();
+            if turn.changed || asked.is_some() || spoken.elapsed() >= QUIET {
+                if send(answers, (turn.shown, asked), &newest, told_count).await?.is_break() {
                     return Ok(());
                 }
                 told_count += 1;
@@ -116,10 +125,17 @@ impl Viewer {
                         false => tokio::time::sleep_until((spoken + QUIET).into()).await,
                     }
                 };
+                let question = async {
+                    match &mut questions {
+                        Some(questions) => questions.come().await,
+                        None => std::future::pending().await,
+                    }
+                };
                 tokio::select! {
                     // An error cannot be: the sender lives as long as the session.
                     _ = ticks.changed() => {}
                     () = quiet => {}
+                    () = question => {}
                 }
             };
             tokio::select! {
@@ -158,15 +174,53 @@ impl Viewer {
     }
 }
 
+/// The questions that are told at a time.
+#[derive(Default)]
+struct Told {
+    traces: Vec<pb::Trace>,
+    skipped_count: u64,
+}
+
+impl Told {
+    /// All since the last time, the newest that a message has room for.
+    fn of(questions: &mut Watching<pb::Trace>) -> Self {
+        let (seen, missed_count) = questions.take();
+        let mut room = TRACES_BYTES;
+        let fits = |trace: &&Arc<pb::Trace>| {
+            let bytes = trace.encoded_len();
+            room = room.saturating_sub(bytes);
+            room > 0
+        };
+        let kept_count = seen.iter().rev().take_while(fits).count();
+        let left_out = seen.len() - kept_count;
+        Self {
+            traces: seen[left_out..].iter().map(|trace| pb::Trace::clone(trace)).collect(),
+            skipped_count: missed_count + left_out as u64,
+        }
+    }
+
+    /// Whether there is anything to tell.
+    fn is_some(&self) -> bool {
+        !self.traces.is_empty() || self.skipped_count > 0
+    }
+}
+
 /// Sends all messages of a turn; breaks if nobody reads any more. The first turn is the snapshot.
 ///
 /// # Errors
 /// The reader takes none.
-async fn send(answers: &Sent, mut shown: Shown, newest: &Snapshot, told_count: u64) -> Checked<ControlFlow<()>> {
+async fn send(
+    answers: &Sent,
+    (mut shown, asked): (Shown, Told),
+    newest: &Snapshot,
+    told_count: u64,
+) -> Checked<ControlFlow<()>> {
     let info = Some(pb::AnswerInfo { tick: newest.tick().get(), ..pb::AnswerInfo::default() });
     let mut snapshot = told_count == 0;
+    let Told { mut traces, skipped_count: mut traces_skipped } = asked;
     loop {
-        let message = pb::WatchWorldResponse { info: info.clone(), snapshot, ..shown.next()? };
+        let message = pb::WatchWorldResponse { info: info.clone(), snapshot, traces, traces_skipped, ..shown.next()? };
+        (traces, traces_skipped) = (Vec::new(), 0);
         snapshot = false;
         let more = message.more;
         match timeout(READER_PATIENCE, answers.send(Ok(message))).await {

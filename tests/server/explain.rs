@@ -52,6 +52,7 @@ pub(crate) fn options_of(asked: &mut Asked) -> &mut Option<pb::QueryOptions> {
         Asked::TimeOfImpact(it) => &mut it.options,
         Asked::Distance(it) => &mut it.options,
         Asked::MoveCharacter(it) => &mut it.options,
+        Asked::FirstTouch(it) => &mut it.options,
         Asked::Depenetrate(it) => &mut it.options,
     }
 }
@@ -64,6 +65,7 @@ fn info_of(answer: &mut Kind) -> &mut Option<pb::AnswerInfo> {
         Kind::TimeOfImpact(it) => &mut it.info,
         Kind::Distance(it) => &mut it.info,
         Kind::MoveCharacter(it) => &mut it.info,
+        Kind::FirstTouch(it) => &mut it.info,
         Kind::Depenetrate(it) => &mut it.info,
         Kind::Problem(problem) => panic!("{problem:?}"),
     }

@@ -34,6 +34,7 @@ mod resolve;
 mod sessions;
 mod stand_ins;
 mod tokens;
+mod traces;
 mod uploads;
 mod versions;
 mod watch_overlaps;

@@ -172,7 +172,6 @@ async fn what_is_wrong_is_named_and_it_ends_with_its_session() {
     let ok = pb::WatchWorldRequest::default;
     let upside_down = pb::Aabb { min: Some(vec3(1.0, 0.0, 0.0)), max: Some(vec3(0.0, 0.0, 0.0)) };
     let wrong = [
-        (pb::WatchWorldRequest { questions: true, ..ok() }, ("NOT_YET", "questions", &["not served yet"][..])),
         (pb::WatchWorldRequest { max_rate: 121, ..ok() }, ("OUT_OF_LIMITS", "max_rate", &["120"])),
         (
             pb::WatchWorldRequest { bounds: Some(upside_down), ..ok() },
