@@ -112,6 +112,11 @@ async fn what_comes_in_is_what_went_out() {
     let named = geometry_ids(&mut bench, "copy", &token).await;
     assert_eq!(named.len() as u64, header.geometry_count);
 
+    // A fork is the same world.
+    let fork = pb::ForkSessionRequest { fork: "fork".to_owned(), ..pb::ForkSessionRequest::default() };
+    let fork = bench.sessions.fork_session(fork).await.unwrap().into_inner().token;
+    assert_eq!(export(&mut bench, "fork", &fork, None).await.unwrap(), pieces);
+
     // The world goes on from there.
     let edit =
         pb::EditRequest { session: "copy".to_owned(), edits: vec![remove(&[101])], ..pb::EditRequest::default() };
