@@ -15,6 +15,7 @@ mod edits;
 mod explain;
 mod exports;
 mod first_touch;
+mod follow;
 mod forks;
 mod forms;
 mod geometries;

@@ -49,7 +49,7 @@ pub enum Error {
         acked: u64,
     },
     /// The stream broke and could not be taken up again.
-    #[error("the edit stream broke and could not be resumed within {} s: {last}", waited.as_secs_f64())]
+    #[error("the stream broke and could not be resumed within {} s: {last}", waited.as_secs_f64())]
     GaveUp {
         /// How long it was tried.
         waited: Duration,

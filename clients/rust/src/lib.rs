@@ -1,7 +1,7 @@
 //! A Rust client of the Calipers collision query service.
 //!
 //! [`Client`] asks questions and edits worlds, one call for each RPC; [`EditWriter`] keeps a world up to date over a
-//! stream and survives broken connections. Requests and answers are the wire's own messages ([`proto`]), whose `.proto`
+//! stream and survives broken connections, as does [`Watch`], which follows what changes. Requests and answers are the wire's own messages ([`proto`]), whose `.proto`
 //! files document every field; [`geometry`], [`shape`], [`edit`] and [`ask`] build the common ones in a line.
 //!
 //! Units are metres, seconds and radians; coordinates are right-handed; a rotation is a quaternion `[x, y, z, w]`.
@@ -29,6 +29,7 @@ mod client;
 pub mod edit;
 mod error;
 mod export;
+mod follow;
 pub mod geometry;
 mod pipeline;
 pub mod shape;
@@ -37,6 +38,7 @@ mod writer;
 
 pub use client::{Bearer, Client, Secured};
 pub use error::Error;
+pub use follow::{Turn, Watch};
 pub use upload::Uploaded;
 pub use writer::{EditWriter, Report, WriterOptions};
 

@@ -21,8 +21,8 @@ const OPEN_WAIT: Duration = Duration::from_secs(10);
 /// Longest wait for the server to end a stream that the writer has ended.
 const CLOSE_WAIT: Duration = Duration::from_secs(5);
 /// First and longest pause before connecting again; each is twice the one before.
-const PAUSE_FIRST: Duration = Duration::from_millis(20);
-const PAUSE_MAX: Duration = Duration::from_secs(1);
+pub(crate) const PAUSE_FIRST: Duration = Duration::from_millis(20);
+pub(crate) const PAUSE_MAX: Duration = Duration::from_secs(1);
 
 /// How far the server got.
 #[derive(Clone, Debug)]

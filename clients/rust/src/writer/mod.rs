@@ -15,6 +15,7 @@ use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 
 use self::link::{Link, Progress};
+pub(crate) use self::link::{PAUSE_FIRST, PAUSE_MAX};
 use crate::{Client, Error, proto};
 
 /// Messages between the writer and its task; the server's window is what really bounds them.
