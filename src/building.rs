@@ -107,7 +107,12 @@ impl Building {
             }
         };
         let made = decompose(mesh, &self.options, &mut tell);
-        let made = made.map_err(|_| Problem::new(Reason::Stopping, "the decomposition was called off"))?;
+        let made = made.map_err(|_| {
+            Problem::new(
+                Reason::Stopping,
+                "the decomposition was called off: register the mesh again, elsewhere or later",
+            )
+        })?;
         let failed = |error: GeometryError| Problem::new(Reason::Internal, format!("parts were not taken: {error}"));
         made.attached(&self.mesh, &self.options).map_err(failed)
     }
@@ -141,7 +146,12 @@ impl Workshop {
             };
             let (at_work, in_work) = (workshop.clone(), building.clone());
             let cutting = tokio::task::spawn_blocking(move || at_work.made(&in_work));
-            let made = cutting.await.unwrap_or_else(|_| Err(Problem::new(Reason::Stopping, "the server is stopping")));
+            let made = cutting.await.unwrap_or_else(|_| {
+                Err(Problem::new(
+                    Reason::Stopping,
+                    "the server is stopping: register the mesh again elsewhere, or later",
+                ))
+            });
             drop(place);
             session.geometries.finish(&building, made, &session.newest());
         });

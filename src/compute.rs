@@ -47,7 +47,7 @@ pub(crate) async fn run<T: Send + 'static>(
         Weight::Heavy => match tokio::task::spawn_blocking(work).await {
             Ok(done) => done,
             Err(error) if error.is_panic() => Err(caught(doing, error.into_panic().as_ref())),
-            Err(_) => Err(Problem::new(Reason::Stopping, "the server is stopping")),
+            Err(_) => Err(Problem::new(Reason::Stopping, "the server is stopping: ask again elsewhere, or later")),
         },
     }
 }

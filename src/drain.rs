@@ -56,7 +56,8 @@ impl http_body::Body for Draining {
             return Poll::Pending;
         }
         self.is_over = true;
-        let status = Status::from(Problem::new(Reason::Stopping, "the server is stopping"));
+        let status =
+            Status::from(Problem::new(Reason::Stopping, "the server is stopping: ask again elsewhere, or later"));
         let mut trailers = http::HeaderMap::new();
         Poll::Ready(match status.add_header(&mut trailers) {
             Ok(()) => Some(Ok(Frame::trailers(trailers))),

@@ -87,7 +87,7 @@ pub(crate) async fn pass(State(gate): State<Arc<Gate>>, mut request: Request, ne
         biased;
         answered = call => answered,
         () = deadline.passed() => Err(Deadline::problem()),
-        () = gate.stop.abort.cancelled() => Err(Problem::new(Reason::Stopping, "the server has stopped")),
+        () = gate.stop.abort.cancelled() => Err(Problem::new(Reason::Stopping, "the server has stopped: ask again elsewhere, or later")),
     };
     tracing::debug!(call = uri.path(), elapsed_us = began.elapsed().as_micros(), refused = answered.is_err());
     match answered {

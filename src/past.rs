@@ -33,7 +33,7 @@ pub(crate) async fn read(newest: Arc<Snapshot>, read_at: ReadAt) -> Checked<Arc<
 pub(crate) fn refused(error: &HistoryError) -> Problem {
     match *error {
         HistoryError::Gone { asked, oldest, newest } => {
-            let what = format!("is {asked}, which is no longer held: {}", held(oldest, newest));
+            let what = format!("is {asked}, which is no longer held: {}; name one from there on", held(oldest, newest));
             not_held("read_at.tick", what, oldest, newest)
         }
         HistoryError::NotMade { asked, oldest, newest } => {
@@ -41,11 +41,13 @@ pub(crate) fn refused(error: &HistoryError) -> Problem {
             not_held("read_at.tick", what, oldest, newest)
         }
         HistoryError::TimeGone { oldest, newest } => {
-            let what = format!("is before the time of the oldest tick held: {}", held(oldest, newest));
+            let what =
+                format!("is before the time of the oldest tick held: {}; name a later one", held(oldest, newest));
             not_held("read_at.time", what, oldest, newest)
         }
         HistoryError::NothingAfter { oldest, newest } => {
-            let what = format!("is above 0: there is no tick after {newest} yet, and nothing is extrapolated");
+            let what =
+                format!("is above 0: there is no tick after {newest} yet, and nothing is extrapolated; leave it out");
             not_held("read_at.tick_fraction", what, oldest, newest)
         }
         HistoryError::Fraction(fraction) => {
@@ -62,11 +64,11 @@ pub(crate) fn refused(error: &HistoryError) -> Problem {
 pub(crate) fn check_held(field: &str, tick: Tick, world: &Arc<Snapshot>) -> Checked<()> {
     let (oldest, newest) = (world.oldest_tick(), world.newest_tick());
     if tick < oldest {
-        let what = format!("is {tick}, which is no longer held: {}", held(oldest, newest));
+        let what = format!("is {tick}, which is no longer held: {}; name one of these", held(oldest, newest));
         return Err(not_held(field, what, oldest, newest));
     }
     if tick > newest {
-        let what = format!("is {tick}, which is not made yet: {}", held(oldest, newest));
+        let what = format!("is {tick}, which is not made yet: {}; name one of these", held(oldest, newest));
         return Err(not_held(field, what, oldest, newest));
     }
     Ok(())

@@ -80,7 +80,11 @@ impl Registry {
         let session = self.find(name)?;
         let role = session.role_of(token)?;
         if role < least {
-            let what = format!("the token's role is {}, and this call needs {}", role.name(), least.name());
+            let what = format!(
+                "the token's role is {}, and this call needs {}: send a token of that role, which CreateToken makes",
+                role.name(),
+                least.name()
+            );
             return Err(Problem::new(Reason::RoleTooLow, what));
         }
         session.lease.renew(None);
@@ -102,7 +106,10 @@ impl Registry {
                 "this call needs the operator's token, as `authorization: Bearer TOKEN`",
             )),
             (Some(operator), Some(token)) if operator == TokenHash::of(token) => Ok(()),
-            (Some(_), Some(_)) => Err(Problem::new(Reason::RoleTooLow, "the token is not the operator's")),
+            (Some(_), Some(_)) => Err(Problem::new(
+                Reason::RoleTooLow,
+                "the token is not the operator's: send the one that the server was started with, as operator_token",
+            )),
         }
     }
 
@@ -230,7 +237,7 @@ impl Registry {
                  gave"
                     .to_owned()
             } else {
-                format!("is {}: there is no such session; it may have ended with its lease", quoted(name))
+                format!("is {}: there is no such session; it may have ended with its lease; CreateSession makes one", quoted(name))
             };
             Problem::at("session", Reason::SessionNotFound, what)
         })

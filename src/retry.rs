@@ -32,7 +32,8 @@ impl RetryKey {
     /// The id is too long.
     pub(crate) fn of(request_id: &str, request: &impl Message) -> Checked<Option<Self>> {
         if request_id.len() > ID_BYTES {
-            let what = format!("has {} bytes: at most {ID_BYTES} are allowed", request_id.len());
+            let what =
+                format!("has {} bytes: at most {ID_BYTES} are allowed, so choose a shorter one", request_id.len());
             return Err(Problem::at("request_id", Reason::OutOfLimits, what));
         }
         Ok((!request_id.is_empty())

@@ -143,7 +143,10 @@ impl Session {
                     return Err(Problem::new(Reason::NoToken, what));
                 };
                 tokens.lock().role_of(token).ok_or_else(|| {
-                    let what = format!("the token is not one of session {:?}", self.id);
+                    let what = format!(
+                        "the token is not one of session {:?}: send one that CreateSession or CreateToken gave for it",
+                        self.id
+                    );
                     Problem::new(Reason::NoToken, what)
                 })
             }
@@ -193,7 +196,7 @@ impl Session {
             _ = ticks.wait_for(|newest| *newest >= tick) => Ok(self.newest()),
             () = self.ended.cancelled() => Err(self.ended_problem()),
             () = deadline.passed() => {
-                let what = format!("is {tick}, and the newest tick is still {} at the call's deadline", self.newest().tick());
+                let what = format!("is {tick}, and the newest tick is still {} at the call's deadline: allow more time, or ask without it", self.newest().tick());
                 Err(Problem::at("read_at.min_tick", Reason::Deadline, what))
             }
         }
@@ -353,7 +356,7 @@ impl Session {
 
     /// What callers of a session are told that has ended meanwhile.
     pub(crate) fn ended_problem(&self) -> Problem {
-        Problem::new(Reason::SessionNotFound, format!("session {:?} has ended", self.id))
+        Problem::new(Reason::SessionNotFound, format!("session {:?} has ended: CreateSession makes another", self.id))
     }
 
     fn check_quotas(&self, edits: &[Edit]) -> Checked<()> {

@@ -84,7 +84,8 @@ impl Tokens {
     /// Too many tokens, no randomness.
     pub(crate) fn create(&mut self, role: Role) -> Checked<String> {
         if self.roles.len() >= Self::MOST {
-            let what = format!("the session has {} tokens, which is the most it may have", Self::MOST);
+            let what =
+                format!("the session has {} tokens, which is the most it may have: use one of these", Self::MOST);
             return Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "tokens").with("limit", Self::MOST));
         }
         let token = new_token()?;

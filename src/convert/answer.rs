@@ -139,7 +139,7 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
         QuestionError::Skin(error) => Problem::at(
             "skin",
             Reason::OutOfLimits,
-            format!(": {error}; the character and its skin are too large or small"),
+            format!(": {error}; the character and its skin are too large or small; leave skin out for 0.01 metres"),
         ),
         QuestionError::NeedsDecomposition(id) => {
             let with = id.map_or_else(|| "the geometry in against".to_owned(), |id| format!("shape {id}"));

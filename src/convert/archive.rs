@@ -176,7 +176,11 @@ impl Arriving {
     fn begin(header: pb::GeometryHeader) -> Checked<Self> {
         let within = |field: &str, count: u64, most: u64| match count <= most {
             true => Ok(()),
-            false => Err(Problem::at(field, Reason::TooManyItems, format!("is {count}: at most {most} are allowed"))),
+            false => Err(Problem::at(
+                field,
+                Reason::TooManyItems,
+                format!("is {count}: at most {most} are allowed, so make several geometries of it"),
+            )),
         };
         within("header.value_count", header.value_count, VALUES)?;
         within("header.index_count", header.index_count, INDICES)?;
@@ -220,7 +224,7 @@ impl Arriving {
             return Ok(());
         }
         let what = format!(
-            "brings the numbers to {values} values and {indices} indices: the header said {} and {}",
+            "brings the numbers to {values} values and {indices} indices: the header said {} and {}, so send as many",
             self.value_count, self.index_count
         );
         Err(Problem::at("geometry", Reason::TooManyItems, what))
@@ -235,7 +239,7 @@ impl Arriving {
         let found = (values.len() as u64, indices.len() as u64);
         if found != (value_count, index_count) {
             let what = format!(
-                "is incomplete: {} of {value_count} values and {} of {index_count} indices came before the next",
+                "is incomplete: {} of {value_count} values and {} of {index_count} indices came before the next, so send all",
                 found.0, found.1
             );
             return Err(Problem::at("geometry", Reason::UploadIncomplete, what));
@@ -264,7 +268,7 @@ impl Arriving {
 fn mesh(mode: MeshMode, points: &[DVec3], indices: &[u32], sent: &pb::TriangleMesh) -> Checked<ToRegister> {
     let (triangles, rest) = indices.as_chunks::<3>();
     if !rest.is_empty() {
-        let what = format!("has {} numbers: it must have three for each triangle", indices.len());
+        let what = format!("has {} numbers: it must have three for each triangle, such as 0, 1, 2", indices.len());
         return Err(Problem::at("mesh.indices", Reason::ColumnLength, what));
     }
     let mesh = made("mesh", Geometry::mesh_as(mode, points, triangles))?;
@@ -276,7 +280,8 @@ fn points(values: &[f64]) -> Checked<Vec<DVec3>> {
     match rest.is_empty() {
         true => Ok(points.iter().map(|&point| DVec3::from_array(point)).collect()),
         false => {
-            let what = format!("has {} numbers: it must have three (x, y, z) for each point", values.len());
+            let what =
+                format!("has {} numbers: it must have three (x, y, z) for each point, such as 0, 0, 0", values.len());
             Err(Problem::at("values", Reason::ColumnLength, what))
         }
     }

@@ -23,7 +23,8 @@ use crate::{
 /// What is wrong with it or with a part; too deep.
 pub(super) fn read(sent: &pb::Compound, known: &Geometries, level: u32) -> Checked<Geometry> {
     if level >= Limits::COMPOUND_DEPTH {
-        let what = "are in too many compounds: these may hold compounds, 4 deep in all";
+        let what =
+            "are in too many compounds: these may hold compounds, 4 deep in all, so place inner parts in the outer one";
         return Err(Problem::at("parts", Reason::BadGeometry, what));
     }
     if sent.parts.len() > Limits::COMPOUND_PARTS {

@@ -83,7 +83,9 @@ pub(crate) fn refused(error: EditError, places: &[Place]) -> Problem {
         },
         EditError::TimeGoesBack { newest, found } => {
             let (found, newest) = (timestamp(found), timestamp(newest));
-            let what = format!("is {found}, before that of the newest tick, {newest}: a tick's time never goes back");
+            let what = format!(
+                "is {found}, before that of the newest tick, {newest}: a tick's time never goes back; leave it out for the server's clock"
+            );
             Problem::at("time", Reason::OutOfLimits, what)
         }
     }
@@ -106,7 +108,7 @@ fn expand_one(sent: &pb::Edit, index: usize, known: &Geometries, into: &mut Expa
         None => Err(Problem::at(
             "op",
             Reason::Missing,
-            "is absent: an edit is one of insert, move, remove, inserts, moves, clear",
+            "is absent: an edit is one of insert, move, remove, inserts, moves, clear, such as {\"remove\": {\"ids\": [1]}}",
         )),
         Some(Op::Insert(insert)) => {
             into.push(single, Edit::Insert(shape(insert, known).under("insert")?));
@@ -147,7 +149,7 @@ fn single_move(sent: &pb::Move) -> Checked<Edit> {
 
 fn insert_columns(sent: &pb::InsertColumns, edit: u32, known: &Geometries, into: &mut Expanded) -> Checked<()> {
     let Some(template) = &sent.like else {
-        let what = "is absent: it says what the shapes have in common, at least their geometry";
+        let what = "is absent: it says what the shapes have in common, at least their geometry, such as {\"geometry\": {\"sphere\": {\"radius\": 1}}}";
         return Err(Problem::at("like", Reason::Missing, what));
     };
     let template = like(template, known).under("like")?;

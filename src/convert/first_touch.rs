@@ -25,14 +25,14 @@ pub(crate) fn first_touch(
     world: &Arc<Snapshot>,
 ) -> Checked<FirstTouch> {
     let Some(from) = Tick::new(sent.from_tick) else {
-        let what = "is 0: ticks begin at 1; say from which tick on to look";
+        let what = "is 0: ticks begin at 1; say from which tick on to look, such as 1";
         return Err(Problem::at("from_tick", Reason::OutOfLimits, what));
     };
     let to = Tick::new(sent.to_tick).unwrap_or(world.tick());
     past::check_held("from_tick", from, world)?;
     past::check_held("to_tick", to, world)?;
     if to < from {
-        let what = format!("is {to}, before from_tick, {from}");
+        let what = format!("is {to}, before from_tick, {from}; leave it out for the newest tick");
         return Err(Problem::at("to_tick", Reason::OutOfLimits, what));
     }
     Ok(FirstTouch {

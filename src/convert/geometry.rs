@@ -148,7 +148,7 @@ fn triangles(mesh: &pb::TriangleMesh) -> Checked<Geometry> {
     let vertices = points("vertices", &mesh.vertices)?;
     let (indices, rest) = mesh.indices.as_chunks::<3>();
     if !rest.is_empty() {
-        let what = format!("has {} numbers: it must have three for each triangle", mesh.indices.len());
+        let what = format!("has {} numbers: it must have three for each triangle, such as 0, 1, 2", mesh.indices.len());
         return Err(Problem::at("indices", Reason::ColumnLength, what));
     }
     made("", Geometry::mesh_as(mode, &vertices, indices))
@@ -179,7 +179,8 @@ pub(super) fn mode_out(mode: MeshMode) -> pb::MeshMode {
 fn points(field: &'static str, numbers: &[f32]) -> Checked<Vec<DVec3>> {
     let (points, rest) = numbers.as_chunks::<3>();
     if !rest.is_empty() {
-        let what = format!("has {} numbers: it must have three (x, y, z) for each point", numbers.len());
+        let what =
+            format!("has {} numbers: it must have three (x, y, z) for each point, such as 0, 0, 0", numbers.len());
         return Err(Problem::at(field, Reason::ColumnLength, what));
     }
     let mut checked = Vec::with_capacity(points.len());
@@ -205,7 +206,7 @@ fn refused(error: GeometryError) -> Problem {
             Problem::at(field, Reason::ColumnLength, format!("has {found} numbers: {expected}"))
         }
         GeometryError::TooMany { field, found, most } => {
-            let what = format!("has {found} items: at most {most} are allowed");
+            let what = format!("has {found} items: at most {most} are allowed, so make several geometries of it");
             Problem::at(field, Reason::TooManyItems, what)
         }
         GeometryError::NotSolid { field, fault } => Problem::at(field, Reason::MeshNotClosed, fault.to_string()),

@@ -43,7 +43,7 @@ pub(crate) fn within(
 
 /// What is said of NaN and infinities.
 pub(crate) fn not_finite(field: impl Into<String>, value: f64) -> Problem {
-    Problem::at(field, Reason::NotFinite, format!("is {value}: it must be a finite number"))
+    Problem::at(field, Reason::NotFinite, format!("is {value}: it must be a finite number, such as 1.5"))
 }
 
 /// A count from 1 to `most`, where 0 stands for `default`.

@@ -59,14 +59,18 @@ pub(crate) fn pose(sent: Option<&pb::Pose>, default: Pose) -> Checked<Pose> {
 pub(crate) fn aabb(sent: &pb::Aabb) -> Checked<Aabb> {
     let corner = |field: &'static str, sent: Option<&pb::Vec3>| {
         let Some(sent) = sent else {
-            return Err(Problem::at(field, Reason::Missing, "is absent: a box needs min and max"));
+            return Err(Problem::at(
+                field,
+                Reason::Missing,
+                "is absent: a box needs both, such as {\"min\": {}, \"max\": {\"x\": 1, \"y\": 1, \"z\": 1}}",
+            ));
         };
         position(Some(sent), DVec3::ZERO).under(field)
     };
     let (min, max) = (corner("min", sent.min.as_ref())?, corner("max", sent.max.as_ref())?);
     for (field, low, high) in [("max.x", min.x, max.x), ("max.y", min.y, max.y), ("max.z", min.z, max.z)] {
         if low > high {
-            let what = format!("is {high}, below that of min, {low}");
+            let what = format!("is {high}, below that of min, {low}: it must be at least that");
             return Err(Problem::at(field, Reason::OutOfLimits, what));
         }
     }

@@ -99,7 +99,8 @@ impl<'a> Ways<'a> {
             ends: Poses::new(ends, n).under("ends")?,
         };
         if ends.is_some() && ways.ends.frame_origin() != ways.starts.frame_origin() {
-            let what = "is not that of starts: both columns must be relative to the same point";
+            let what =
+                "is not that of starts: both columns must be relative to the same point, so send the same frame_origin";
             return Err(Problem::at("ends.frame_origin", Reason::OutOfLimits, what));
         }
         Ok(ways)

@@ -43,7 +43,9 @@ pub(crate) fn read_at(sent: Option<&pb::ReadAt>) -> Checked<ReadAt> {
         return Err(Problem::at("tick_fraction", Reason::OutOfLimits, what));
     }
     let tick = |field, tick: u64| {
-        Tick::new(tick).ok_or_else(|| Problem::at(field, Reason::OutOfLimits, "is 0: ticks begin at 1"))
+        Tick::new(tick).ok_or_else(|| {
+            Problem::at(field, Reason::OutOfLimits, "is 0: ticks begin at 1; leave read_at out for the newest")
+        })
     };
     match &sent.at {
         None => Ok(ReadAt::Newest),
@@ -121,7 +123,9 @@ pub(crate) fn raycast(sent: &pb::RaycastRequest) -> Checked<Raycast> {
     let max_distance = within("max_distance", max_distance, reach.clone(), FROM_ZERO_TO_REACH)?;
     let min_distance = within("min_distance", sent.min_distance, reach, FROM_ZERO_TO_REACH)?;
     if min_distance > max_distance {
-        let what = format!("is {min_distance}, above max_distance, {max_distance}: nothing lies between");
+        let what = format!(
+            "is {min_distance}, above max_distance, {max_distance}: nothing lies between; leave one of the two out"
+        );
         return Err(Problem::at("min_distance", Reason::OutOfLimits, what));
     }
     Ok(Raycast {
@@ -229,7 +233,8 @@ fn motion(
 
 /// What is said of a shape that is not in the version that is read.
 pub(crate) fn shape_not_found(field: &str, id: u64, tick: Tick) -> Problem {
-    let what = format!("is {id}: there is no such shape at tick {tick}");
+    let what =
+        format!("is {id}: there is no such shape at tick {tick}; insert it first, or name one that ListShapes tells");
     Problem::at(field, Reason::ShapeNotFound, what).with_shape(id)
 }
 

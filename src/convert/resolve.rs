@@ -33,7 +33,7 @@ pub(crate) fn resolve(sent: &pb::ResolveRequest, world: &Snapshot) -> Checked<Re
     }
     ids.sort_unstable();
     if let Some(twice) = ids.windows(2).find(|pair| pair[0] == pair[1]) {
-        let what = format!("holds shape {} twice: each body counts once", twice[0]);
+        let what = format!("holds shape {} twice: each body counts once, so leave one out", twice[0]);
         return Err(Problem::at("bodies", Reason::OutOfLimits, what).with_shape(twice[0].get()));
     }
     Ok(Resolve {

@@ -120,11 +120,12 @@ fn check_offsets(offsets: &[u32], point_count: usize) -> Checked<()> {
         return Err(Problem::at("offsets[0]", Reason::OutOfLimits, format!("is {first}: it must be 0")));
     }
     if let Some(index) = offsets.windows(2).position(|pair| pair[0] > pair[1]) {
-        let what = format!("is {}, below {} before it: offsets ascend", offsets[index + 1], offsets[index]);
+        let what =
+            format!("is {}, below {} before it: offsets ascend, such as 0, 1, 3", offsets[index + 1], offsets[index]);
         return Err(Problem::at(format!("offsets[{}]", index + 1), Reason::OutOfLimits, what));
     }
     if last as usize != point_count {
-        let what = format!("is {last}, and there are {point_count} points: the last offset is their number");
+        let what = format!("is {last}, and there are {point_count} points: the last offset must be their number");
         return Err(Problem::at(format!("offsets[{}]", offsets.len() - 1), Reason::OutOfLimits, what));
     }
     Ok(())

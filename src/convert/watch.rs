@@ -33,7 +33,10 @@ pub(crate) fn watch(sent: &pb::WatchOverlapsRequest, known: &Geometries) -> Chec
     for (index, region) in sent.regions.iter().enumerate() {
         let region = self::region(region, known).under_item("regions", index)?;
         if let Some(first) = places.insert(region.id, index) {
-            let what = format!("is {}, as that of regions[{first}]: ids of regions are unique in a call", region.id);
+            let what = format!(
+                "is {}, as that of regions[{first}]: ids of regions are unique in a call, so choose another",
+                region.id
+            );
             return Err(Problem::at(format!("regions[{index}].id"), Reason::OutOfLimits, what));
         }
         regions.push(region);

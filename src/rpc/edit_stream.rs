@@ -142,7 +142,7 @@ impl Pending {
 impl Stream {
     async fn begin(session: Arc<Session>, name: &str) -> Checked<Self> {
         if name.len() > NAME_BYTES {
-            let what = format!("has {} bytes: at most {NAME_BYTES} are allowed", name.len());
+            let what = format!("has {} bytes: at most {NAME_BYTES} are allowed, so choose a shorter one", name.len());
             return Err(Problem::at("writer", Reason::OutOfLimits, what));
         }
         let (acked, current) = session.writer.lock().await.begin_stream(name);
@@ -287,7 +287,10 @@ impl Stream {
     }
 
     fn replaced(&self) -> Problem {
-        let what = format!("a new stream of writer {:?} has begun, which ends this one", self.name);
+        let what = format!(
+            "a new stream of writer {:?} has begun, which ends this one: give each writer a name of its own",
+            self.name
+        );
         Problem::new(Reason::WriterReplaced, what)
     }
 }
@@ -297,7 +300,7 @@ fn not_before_the_newest(when: When, sequence: u64, writer: &Writer, pending: &m
     let newest = writer.world.newest().time();
     match when {
         When::At(time) if time < newest => {
-            let what = "is before that of the newest tick, whose time was taken instead: a tick's time never goes back";
+            let what = "is before that of the newest tick, whose time was taken instead: a tick's time never goes back; leave it out for the server's clock";
             pending.add_problem(sequence, Problem::at("time", Reason::OutOfLimits, what));
             When::At(newest)
         }
@@ -310,7 +313,7 @@ async fn send(answers: &Unread<pb::EditStreamResponse>, answer: pb::EditStreamRe
         Ok(Ok(())) => Ok(()),
         Ok(Err(_)) => Err(Status::cancelled("the client has gone")),
         Err(_) => {
-            let what = "the client took no acknowledgement for 10 s";
+            let what = "the client took no acknowledgement for 10 s: read them, and resume";
             Err(Problem::new(Reason::Overloaded, what).into())
         }
     }

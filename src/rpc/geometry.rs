@@ -108,7 +108,7 @@ pub(super) async fn get(
         tokio::select! {
             biased;
             () = building.settled() => {}
-            () = server.drain.cancelled() => return Err(Problem::new(Reason::Stopping, "the server is stopping").into()),
+            () = server.drain.cancelled() => return Err(Problem::new(Reason::Stopping, "the server is stopping: ask again elsewhere, or later").into()),
             () = session.ended.cancelled() => return Err(session.ended_problem().into()),
             () = caller.deadline.passed() => return Err(Deadline::problem().into()),
         }

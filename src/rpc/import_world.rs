@@ -184,7 +184,7 @@ impl Import {
     /// What a header says, if the session has room for that.
     fn checked(&self, sent: &pb::WorldHeader) -> Checked<Header> {
         let Some(tick) = Tick::new(sent.tick) else {
-            return Err(Problem::at("tick", Reason::OutOfLimits, "is 0: ticks begin at 1"));
+            return Err(Problem::at("tick", Reason::OutOfLimits, "is 0: ticks begin at 1, such as {\"tick\": 7}"));
         };
         self.session.check_importable(tick)?;
         self.session.check_shape_count(usize::try_from(sent.shape_count).unwrap_or(usize::MAX))?;
@@ -254,11 +254,12 @@ impl Import {
 }
 
 fn damaged(field: &str, what: String) -> Problem {
+    let what = format!("{what}; send the pieces of ExportWorld as they came");
     Problem::at(field, Reason::ExportDamaged, what)
 }
 
 fn out_of_place(field: &str, what: &str) -> Problem {
-    damaged(field, format!("{what}; send the pieces of ExportWorld as they came"))
+    damaged(field, what.to_owned())
 }
 
 fn torn(what: &str) -> Problem {

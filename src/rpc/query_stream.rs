@@ -68,7 +68,13 @@ async fn run(
         match timeout(READER_PATIENCE, answers.send(answer)).await {
             Ok(Ok(())) => {}
             Ok(Err(_)) => return Ok(()),
-            Err(_) => return Err(Problem::new(Reason::Overloaded, "the client took no answer for 10 s").into()),
+            Err(_) => {
+                return Err(Problem::new(
+                    Reason::Overloaded,
+                    "the client took no answer for 10 s: read them, and ask again",
+                )
+                .into());
+            }
         }
     }
 }
@@ -94,7 +100,7 @@ async fn answer_kind(server: &Server, caller: &Caller, message: pb::QueryStreamR
     match message.request {
         None => {
             let what = "is absent: it is one of question, batch, raycast_batch, overlap_batch, time_of_impact_batch, \
-                        distance_batch, line_of_sight";
+                        distance_batch, line_of_sight, such as {\"question\": {\"raycast\": {\"direction\": {\"z\": 1}}}}";
             Err(Problem::at("request", Reason::Missing, what))
         }
         Some(Asked::Question(sent)) => answer_question(server, caller, &sent).await.under("question"),

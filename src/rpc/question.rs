@@ -43,7 +43,7 @@ pub(super) fn heading(sent: &pb::Question) -> Checked<Heading<'_>> {
 
 fn no_question() -> Problem {
     let what = "is absent: it is one of raycast, overlap, penetration, time_of_impact, distance, move_character, \
-                depenetrate, first_touch";
+                depenetrate, first_touch, such as {\"raycast\": {\"direction\": {\"z\": 1}}}";
     Problem::at("question", Reason::Missing, what)
 }
 

@@ -37,7 +37,7 @@ pub(super) fn renew(
     let lease = lease(sent.lease.as_ref())?;
     let session = server.enter(&caller, &sent.session, Role::Owner)?;
     if lease.is_some() && session.lease.length().is_none() {
-        let what = "cannot be set: this session lives as long as the server";
+        let what = "cannot be set: this session lives as long as the server, so leave it out";
         return Err(Problem::at("lease", Reason::OutOfLimits, what).into());
     }
     session.lease.renew(lease);

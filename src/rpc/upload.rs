@@ -117,7 +117,11 @@ impl Upload {
         }
         let within = |field: &str, count: u64, most: u64| match count <= most {
             true => Ok(()),
-            false => Err(Problem::at(field, Reason::TooManyItems, format!("is {count}: at most {most} are allowed"))),
+            false => Err(Problem::at(
+                field,
+                Reason::TooManyItems,
+                format!("is {count}: at most {most} are allowed, so make several geometries of it"),
+            )),
         };
         within("value_count", header.value_count, VALUES)?;
         within("index_count", header.index_count, INDICES)?;
@@ -139,7 +143,7 @@ impl Upload {
         let chunk = match message.piece.and_then(|piece| piece.piece) {
             Some(Piece::Chunk(chunk)) => chunk,
             Some(Piece::Header(_)) => {
-                let what = "comes a second time: an upload is of one geometry";
+                let what = "comes a second time: an upload is of one geometry, so begin another for the next";
                 return Err(Problem::at("piece.header", Reason::BadGeometry, what));
             }
             Some(Piece::Exact(_)) => {
@@ -154,7 +158,8 @@ impl Upload {
         let fits = |field: &str, held: usize, more: usize, promised: u64| match (held + more) as u64 <= promised {
             true => Ok(()),
             false => {
-                let what = format!("brings the numbers to {}: the header said {promised}", held + more);
+                let what =
+                    format!("brings the numbers to {}: the header said {promised}, so send as many", held + more);
                 Err(Problem::at(format!("piece.chunk.{field}"), Reason::TooManyItems, what))
             }
         };

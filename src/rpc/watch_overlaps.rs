@@ -154,7 +154,7 @@ impl Watching {
                     Err(broadcast::error::RecvError::Closed) => return Err(session.ended_problem()),
                 },
                 () = tokio::time::sleep_until((taken + READER_PATIENCE).into()), if messages.is_some() => {
-                    return Err(Problem::new(Reason::Overloaded, "the client took no message for 10 s"));
+                    return Err(Problem::new(Reason::Overloaded, "the client took no message for 10 s: read them, and watch again with the last resume_token"));
                 }
                 () = tokio::time::sleep_until((taken + QUIET).into()), if messages.is_none() => {
                     taken = Instant::now();
@@ -233,7 +233,9 @@ impl Watching {
     fn refused(&self, error: &QuestionError, tick: Tick) -> Problem {
         match error {
             QuestionError::Interrupted if self.session.ended.is_cancelled() => self.session.ended_problem(),
-            QuestionError::Interrupted => Problem::new(Reason::Stopping, "the server is stopping"),
+            QuestionError::Interrupted => {
+                Problem::new(Reason::Stopping, "the server is stopping: watch again elsewhere, or later")
+            }
             QuestionError::TooManyPairs => {
                 let what = format!("{error}: watch fewer regions, name pair_ids, or leave shapes out with filter");
                 Problem::new(Reason::QuotaExceeded, what).with("quota", "pairs").with("limit", PAIRS_MAX)

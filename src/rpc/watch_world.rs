@@ -227,7 +227,12 @@ async fn send(
             Ok(Ok(())) if more => {}
             Ok(Ok(())) => return Ok(ControlFlow::Continue(())),
             Ok(Err(_)) => return Ok(ControlFlow::Break(())),
-            Err(_) => return Err(Problem::new(Reason::Overloaded, "the client took no message for 10 s")),
+            Err(_) => {
+                return Err(Problem::new(
+                    Reason::Overloaded,
+                    "the client took no message for 10 s: read them, and watch again",
+                ));
+            }
         }
     }
 }

@@ -167,6 +167,56 @@ pub(crate) fn assert_refused(status: &Status, code: Code, reason: &str, field: &
     for part in parts {
         assert!(status.message().contains(part), "{part:?} is missing in {status}");
     }
+    assert!(has_remedy(status.message()), "what would have worked is missing in {status}");
+}
+
+/// What a message says that tells how to go on: an example, what must be, or what to do.
+const REMEDIES: &[&str] = &[
+    "such as",
+    "must be",
+    "must have",
+    "must lie",
+    "may have any",
+    "or more",
+    "one of",
+    "begins with",
+    "send",
+    "ask",
+    "leave",
+    "name ",
+    "choose",
+    "use ",
+    "Create",
+    "GetGeometry",
+    "allow",
+    "try ",
+    "remove",
+    "keep",
+    "commit more",
+    "begin ",
+    "read ",
+    "make ",
+    "insert",
+    "register",
+    "set it",
+    "place ",
+    "watch ",
+    "end one",
+    "give ",
+    "need",
+    "mend",
+    "waits",
+    "as in",
+    "delete",
+    "swap",
+    "turn those",
+];
+
+/// Whether a refusal also says what would have worked.
+pub(crate) fn has_remedy(message: &str) -> bool {
+    // After what was found stands what would be right.
+    let rest = message.split_once(['\u{3a}', ';', ',']).map_or(message, |(_, rest)| rest);
+    REMEDIES.iter().any(|remedy| rest.contains(remedy))
 }
 
 /// A refusal of wrong input: reason, field, and what the message must say.

@@ -76,7 +76,7 @@ impl Compound {
             if depth > Limits::COMPOUND_DEPTH {
                 return Err(GeometryError::Bad {
                     field: format!("parts[{index}].geometry"),
-                    reason: "is a compound of 4 levels already: compounds may hold compounds, 4 deep in all".into(),
+                    reason: "is a compound of 4 levels already: compounds may hold compounds, 4 deep in all, so place inner parts in the outer one".into(),
                 });
             }
             compound.leaf_count += leaf_count;

@@ -211,7 +211,7 @@ impl Geometry {
             if index as usize >= vertices.len() {
                 return Err(GeometryError::Bad {
                     field: format!("indices[{position}]"),
-                    reason: format!("is {index}: there are {} vertices", vertices.len()),
+                    reason: format!("is {index}: there are {} vertices, so it must be below that", vertices.len()),
                 });
             }
         }
@@ -229,7 +229,9 @@ impl Geometry {
             Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) if rounding == 0.0 => Ok(self),
             Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) => Err(GeometryError::Bad {
                 field: "rounding".into(),
-                reason: "is above 0: a mesh, compound or height field takes none, only convex forms do".into(),
+                reason:
+                    "is above 0: a mesh, compound or height field takes none, only convex forms do, so leave it out"
+                        .into(),
             }),
             Form::HalfSpace(half_space) => Ok(Self::of(Form::HalfSpace(half_space.grown(rounding)?))),
             Form::Convex(Convex { core, radius }) => {
@@ -375,7 +377,7 @@ impl Geometry {
         if mesh.triangles().is_empty() {
             return Err(GeometryError::Bad {
                 field: field.into(),
-                reason: "no triangle has an area: at least one must".into(),
+                reason: "no triangle has an area: at least one must have some".into(),
             });
         }
         mode::check(&mesh, field, vertex_as_sent)?;

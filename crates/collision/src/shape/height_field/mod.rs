@@ -245,7 +245,8 @@ fn checked_holes(sent: &[u32], cells: usize) -> Result<(Vec<u32>, Vec<u64>), Geo
     for (index, &hole) in sent.iter().enumerate() {
         let cell = hole as usize;
         if cell >= cells {
-            let (field, reason) = (format!("holes[{index}]"), format!("is {hole}: there are {cells} cells"));
+            let (field, reason) =
+                (format!("holes[{index}]"), format!("is {hole}: there are {cells} cells, so it must be below that"));
             return Err(GeometryError::Bad { field, reason });
         }
         open[cell / 64] |= 1 << (cell % 64);
