@@ -16,7 +16,7 @@ pub(super) use super::wide::LANES;
 pub(super) const NO_NODE: u32 = u32::MAX >> 2;
 
 /// What a lane leads to: nothing, a leaf or a node. A tree has fewer than 2²⁸ nodes, whose lanes are numbered with 31 bits; leaf numbers are
-/// below 2³¹ − 1.
+/// below 2²⁸. So, of the floats of these bits, that of nothing is NaN, and those of leaves alone have the sign bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Child(u32);
 
@@ -172,14 +172,25 @@ impl Node {
     }
 
     /// The lanes that are taken.
-    pub(super) fn taken(&self) -> impl Iterator<Item = usize> + use<> {
-        let children = self.children;
-        (0..LANES).filter(move |&lane| children[lane] != Child::NOTHING)
+    #[inline]
+    pub(super) fn taken(&self) -> Lanes {
+        Lanes(self.children_as_floats().nan() ^ ALL)
     }
 
     /// A lane that is free.
+    #[inline]
     pub(super) fn free_lane(&self) -> Option<usize> {
-        self.children.iter().position(|child| *child == Child::NOTHING)
+        Lanes(self.children_as_floats().nan()).next()
+    }
+
+    /// The lanes that lead to nodes.
+    #[inline]
+    pub(super) fn nodes_below(&self) -> Lanes {
+        Lanes(self.children_as_floats().negative().bits() ^ ALL)
+    }
+
+    fn children_as_floats(&self) -> Wide {
+        Wide::of_bits(self.children.map(Child::bits))
     }
 
     /// The lanes whose boxes touch a box, given plane by plane, a bit for each.
@@ -196,20 +207,21 @@ impl Node {
         LanePairs::touching(&self.planes)
     }
 
-    /// The lanes that lead to nodes.
-    #[inline]
-    pub(super) fn nodes_below(&self) -> Lanes {
-        // Of those the highest bit is 0, which is the sign of a float.
-        Lanes(!Wide::of_bits(self.children.map(Child::bits)).negative() & 0xff)
-    }
-
-    /// The half areas of its boxes, and of their unions with another, m²; NaN or infinite for empty lanes.
-    pub(super) fn half_areas_with(&self, other: &[Wide; 6]) -> (Wide, Wide) {
+    /// Where another box costs least in a node that is full: below a node, by how much its half area grows, and beside a leaf, the half
+    /// area of both, each with its lane, m². Infinite where there is none.
+    pub(super) fn least_growths(&self, other: &[Wide; 6]) -> [(f32, usize); 2] {
         let p = &self.planes;
         let area = |x: Wide, y: Wide, z: Wide| x * y + y * z + z * x;
         let extent = |axis: usize| p[axis + 3] - p[axis];
         let united = |axis: usize| p[axis + 3].max(other[axis + 3]) - p[axis].min(other[axis]);
-        (area(extent(0), extent(1), extent(2)), area(united(0), united(1), united(2)))
+        let (areas, united) = (area(extent(0), extent(1), extent(2)), area(united(0), united(1), united(2)));
+        let leaves = self.children_as_floats().negative();
+        let below_nodes = (united - areas).with(leaves, f32::INFINITY);
+        let beside_leaves = Wide::splat(f32::INFINITY).with_of(leaves, united);
+        [below_nodes, beside_leaves].map(|costs| {
+            let least = costs.min_element();
+            (least, Lanes::of(costs.at_most(Wide::splat(least))).next().unwrap_or(0))
+        })
     }
 
     /// Less the lanes below which there is nothing on the given layers.
@@ -242,6 +254,9 @@ impl Lanes {
         self.0 == 0
     }
 }
+
+/// All lanes.
+const ALL: u32 = 0xff;
 
 impl Iterator for Lanes {
     type Item = usize;

@@ -57,10 +57,16 @@ impl Wide {
         Self([Vec4::new(a, b, c, d), Vec4::new(e, f, g, h)])
     }
 
-    /// A bit for each lane, that of the first the lowest: whether its number has the sign bit.
+    /// Where a number has the sign bit, NaN or not.
     #[inline]
-    pub(super) fn negative(self) -> u32 {
-        self.0[0].is_negative_bitmask() | self.0[1].is_negative_bitmask() << 4
+    pub(super) fn negative(self) -> Mask {
+        Mask(self.0.map(|four| Vec4::ONE.copysign(four).cmplt(Vec4::ZERO)))
+    }
+
+    /// A bit for each number that is NaN.
+    #[inline]
+    pub(super) fn nan(self) -> u32 {
+        Mask(self.0.map(Vec4::is_nan_mask)).bits()
     }
 
     /// Each half turned, so that its second number comes first.
@@ -81,11 +87,16 @@ impl Wide {
         Self([self.0[1], other.0[1]])
     }
 
-    /// As they are, but for those of some lanes.
+    /// As they are, but one number in some lanes.
     #[inline]
     pub(super) fn with(self, lanes: Mask, value: f32) -> Self {
-        let value = Vec4::splat(value);
-        Self([0, 1].map(|half| Vec4::select(lanes.0[half], value, self.0[half])))
+        self.with_of(lanes, Self::splat(value))
+    }
+
+    /// As they are, but others in some lanes.
+    #[inline]
+    pub(super) fn with_of(self, lanes: Mask, others: Self) -> Self {
+        Self([0, 1].map(|half| Vec4::select(lanes.0[half], others.0[half], self.0[half])))
     }
 
     #[inline]

@@ -77,20 +77,20 @@ impl DynamicTree {
 
     /// Takes a leaf out of its lane.
     pub(super) fn unlink(&mut self, lane: u32) {
-        let index = lane / LANES as u32;
-        let mut node = self.forest.nodes[index as usize];
-        node.clear(lane as usize % LANES);
+        let (index, at) = (lane / LANES as u32, lane as usize % LANES);
+        let node = &self.forest.nodes[index as usize];
+        let mut others = node.taken().filter(|&other| other != at);
+        let (first, second) = (others.next(), others.next());
         let parent = self.parents[index as usize];
-        let mut taken = node.taken();
-        match (taken.next(), taken.next()) {
+        match (first, second) {
             (None, _) => {
                 self.forest.cells[(parent ^ ROOT) as usize].root = NO_NODE;
                 self.release(index);
             }
             (Some(last), None) if parent < ROOT => {
-                let above = &mut self.forest.nodes[parent as usize / LANES];
-                above.set(parent as usize % LANES, node.lane(last), node.children[last], node.layers[last]);
-                self.note_moved(node.children[last], parent);
+                let (bounds, child, layers) = (node.lane(last), node.children[last], node.layers[last]);
+                self.forest.nodes[parent as usize / LANES].set(parent as usize % LANES, bounds, child, layers);
+                self.note_moved(child, parent);
                 self.release(index);
                 self.refit_from(parent / LANES as u32);
             }
@@ -102,7 +102,7 @@ impl DynamicTree {
                 self.release(index);
             }
             (Some(_), _) => {
-                self.forest.nodes[index as usize] = node;
+                self.forest.nodes[index as usize].clear(at);
                 self.refit_from(index);
             }
         }
@@ -262,21 +262,15 @@ impl DynamicTree {
                 }
                 return (best.1, best.2);
             }
-            let (areas, united) = node.half_areas_with(&planes);
-            let mut descent: Option<(f32, u32)> = None;
-            for lane in 0..LANES {
-                if let Target::Node(below) = node.children[lane].target() {
-                    let least = growth_above + (united.get(lane) - areas.get(lane));
-                    if descent.is_none_or(|(other, _)| least < other) {
-                        descent = Some((least, below));
-                    }
-                } else if growth_above + united.get(lane) < best.0 {
-                    best = (growth_above + united.get(lane), Spot::Beside(lane_number(index, lane)), level);
-                }
+            let [(growth, below), (united, beside)] = node.least_growths(&planes);
+            if growth_above + united < best.0 {
+                best = (growth_above + united, Spot::Beside(lane_number(index, beside)), level);
             }
-            match descent {
-                Some((least, below)) if least < best.0 => (index, level, growth_above) = (below, level + 1, least),
-                _ => return (best.1, best.2),
+            match node.children[below].target() {
+                Target::Node(below) if growth_above + growth < best.0 => {
+                    (index, level, growth_above) = (below, level + 1, growth_above + growth);
+                }
+                Target::Node(_) | Target::Leaf(_) | Target::Nothing => return (best.1, best.2),
             }
         }
     }
