@@ -55,15 +55,28 @@ pub(super) fn push_but_nearest(opens: &mut Opens, node: &Node, mut lanes: Lanes,
     Some(nearest)
 }
 
+/// Adds one to those that are in order, the farthest first. What is found later mostly lies nearer, so its place is sought from there.
+#[inline]
+pub(super) fn push_in_order(opens: &mut Opens, found: Open) {
+    opens.push(found);
+    sink_last(opens);
+}
+
 /// The farthest first. There are few, and they are nearly so.
 #[inline(never)]
 fn sort(opens: &mut [Open]) {
-    for next in 1..opens.len() {
-        for at in (1..=next).rev() {
-            if opens[at - 1] >= opens[at] {
-                break;
-            }
-            opens.swap(at - 1, at);
+    for end in 2..=opens.len() {
+        sink_last(&mut opens[..end]);
+    }
+}
+
+/// Puts the last one where it belongs among the others, which are in order.
+#[inline]
+fn sink_last(opens: &mut [Open]) {
+    for at in (1..opens.len()).rev() {
+        if opens[at - 1] >= opens[at] {
+            break;
         }
+        opens.swap(at - 1, at);
     }
 }

@@ -15,7 +15,7 @@ use super::{
     forest::{Cell, Forest, Nodes, Rooted},
     local::LocalBox,
     node::{Child, Lanes, NO_NODE, Node, Target},
-    open::{Open, Opens, push_but_nearest},
+    open::{Open, Opens, push_but_nearest, push_in_order},
     pairs::each_pair,
     path::{Line, LocalPath},
     wide::Wide,
@@ -307,9 +307,7 @@ fn approach<T: Toll, N: Nodes>(
                 let distances_sq = distances_sq(node, &query);
                 let lanes = Lanes::of(distances_sq.at_most(Wide::splat(limit_sq)));
                 for lane in node.on_layers(lanes, layers).filter(|&lane| node.children[lane] != Child::NOTHING) {
-                    let found = Open::new(distances_sq.get(lane), node.children[lane]);
-                    let at = open.partition_point(|other| *other > found);
-                    open.insert(at, found);
+                    push_in_order(&mut open, Open::new(distances_sq.get(lane), node.children[lane]));
                 }
             }
             Target::Leaf(leaf) => {
