@@ -227,8 +227,9 @@ impl DynamicTree {
                 self.build_below(cell, ROOT | u32::from(cell), &mut items);
             } else {
                 self.changed_count += items.len();
-                for item in items {
-                    self.link(cell, item);
+                for items in items.chunks(ahead::TOGETHER) {
+                    self.read_ahead_of_ways(self.forest.cells[usize::from(cell)].root, items);
+                    items.iter().for_each(|item| self.link(cell, *item));
                 }
             }
         }
