@@ -111,10 +111,13 @@ impl Nearest {
     }
 
     fn offer(&mut self, found: Separation) {
-        self.limit = self.limit.min(found.certificate.bound.upper);
-        let limit = self.limit;
-        self.candidates.retain(|known| known.certificate.bound.lower <= limit);
-        if found.certificate.bound.lower <= limit {
+        // Where intervals are wide nearly all stay: looking through them each time would cost their square.
+        if found.certificate.bound.upper < self.limit {
+            self.limit = found.certificate.bound.upper;
+            let limit = self.limit;
+            self.candidates.retain(|known| known.certificate.bound.lower <= limit);
+        }
+        if found.certificate.bound.lower <= self.limit {
             self.candidates.push(found);
         }
     }

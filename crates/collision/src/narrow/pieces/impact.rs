@@ -178,12 +178,13 @@ impl First {
         if certificate.bound.lower > self.limit {
             return;
         }
-        if certificate.verdict == Verdict::Hit {
-            self.limit = self.limit.min(certificate.bound.upper);
+        // Where intervals are wide nearly all stay: looking through them each time would cost their square.
+        if certificate.verdict == Verdict::Hit && certificate.bound.upper < self.limit {
+            self.limit = certificate.bound.upper;
+            let limit = self.limit;
+            self.candidates.retain(|known| known.touch.certificate.bound.lower <= limit);
         }
-        let limit = self.limit;
         self.candidates.push(found);
-        self.candidates.retain(|known| known.touch.certificate.bound.lower <= limit);
     }
 
     /// The earliest certain touch, or else the earliest open one; its bound reaches down to whatever may come before it.
