@@ -3,7 +3,7 @@
 //!
 //! # Map
 //! [`sets`] reads a folder of query sets; [`oracle`] knows what is true, slowly;
-//! [`check`] asks, compares and reports; [`coverage`] does so for random pairs;
+//! [`check`] asks, compares and reports; [`coverage`] does so for random questions of every kind;
 //! [`ladder`] measures what stands in for geometries; [`scene`] makes worlds for benches, [`scenes`] has the named ones.
 //!
 //! # Never

@@ -11,7 +11,7 @@ use collision::{
     shape::Geometry,
 };
 use yardstick::{
-    coverage::{Answers, FaultKind, Kind, Outcome, Question, Row, Settings, examine, judge, run},
+    coverage::{Answers, Asked, By, FaultKind, Kind, Outcome, Question, Settings, State, examine, judge, run},
     oracle::{Core, PlacedSolid, Solid, Truth},
 };
 
@@ -23,7 +23,9 @@ fn boxes(gap: f64) -> Question {
         rotation: DQuat::from_xyzw(0.25, 0.0, 0.0, 0.75),
     };
     let accuracy = Accuracy::of(Tier::Exact);
-    Question { category: "test", a: cube(0.0), b: cube(2.0 + gap), accuracy, limit: f64::INFINITY, max_gap: 1.0 }
+    let (a, b) = (cube(0.0), cube(2.0 + gap));
+    let before = (b.position, b.rotation);
+    Question { category: "test", a, b, accuracy, limit: f64::INFINITY, max_gap: 1.0, before }
 }
 
 fn answers(question: &Question) -> [Answers; 2] {
@@ -38,6 +40,7 @@ fn answers(question: &Question) -> [Answers; 2] {
             distance: narrow::distance(a, b, question.limit, accuracy, work),
             overlap: narrow::overlap(a, b, accuracy, work),
             contact: contacts.into_iter().next(),
+            warm: None,
         }
     };
     [answer(a, b), answer(b, a)]
@@ -53,14 +56,14 @@ fn tampered(gap: f64, tamper: impl Fn(&mut Answers)) -> Outcome {
 
 #[track_caller]
 fn expect(outcome: &Outcome, kind: FaultKind) {
-    assert!(outcome.faults.iter().any(|fault| fault.kind == kind), "{outcome:?}");
+    assert!(outcome.faults().any(|fault| fault.kind == kind), "{outcome:?}");
 }
 
 #[test]
 fn right_answers_have_no_fault() {
     for gap in [0.5, -0.5] {
         let outcome = tampered(gap, |_| ());
-        assert!(outcome.faults.is_empty() && outcome.overlaps == (gap < 0.0), "{outcome:?}");
+        assert!(outcome.faults().next().is_none() && outcome.overlaps == (gap < 0.0), "{outcome:?}");
     }
 }
 
@@ -105,6 +108,8 @@ fn other_faults_are_found() {
     };
     expect(&tampered(-0.5, turned), FaultKind::Normal);
     expect(&tampered(0.5, |answers| answers.distance.as_mut().expect("no limit").point_on_a += 0.1), FaultKind::Points);
+    let busy = |answers: &mut Answers| answers.overlap.iterations = 1_000_000;
+    expect(&tampered(-0.5, busy), FaultKind::Work);
     let nan = |answers: &mut Answers| answers.contact.as_mut().expect("they overlap").depth = f64::NAN;
     expect(&tampered(-0.5, nan), FaultKind::Form);
 }
@@ -118,22 +123,36 @@ fn swapped_arguments_must_swap_the_answer() {
     expect(&judge(&question, &[there, back], &truth), FaultKind::Order);
 }
 
-fn settings(kinds: Option<(Kind, Kind)>, pairs: u64, rays: u64, threads: usize) -> Settings {
-    Settings { pairs, rays, first: 0, seed: 1, kinds, threads }
+fn settings(kinds: Option<(Kind, Kind)>, answers: u64, threads: usize) -> Settings {
+    Settings { answers, first: 0, cases: u64::MAX, seed: 1, kinds, threads, resume: None }
+}
+
+fn run_quietly(settings: &Settings) -> State {
+    run(settings, &AtomicBool::new(false), &mut |_| (), &mut |_| ()).expect("no file, no error")
 }
 
 #[test]
 fn any_number_of_threads_counts_the_same() {
-    let count = if cfg!(debug_assertions) { 65 } else { 500 };
-    let counts = |threads: usize| {
-        let report = run(&settings(None, count, count, threads), &AtomicBool::new(false), &|_| (), &mut |_| ());
-        let rows = report.rows.iter();
-        rows.map(|(row, report)| (*row, report.count, report.overlaps, report.undecided)).collect::<Vec<_>>()
-    };
-    let alone = counts(1);
-    assert_eq!(alone, counts(2));
-    let counted: usize = alone.iter().map(|row| row.1).sum();
-    assert!(counted as u64 > count * 19 / 10 && alone.iter().any(|row| row.0 == Row::Ray(Kind::Box)), "{alone:?}");
+    let few = |threads: usize| Settings { cases: 200, ..settings(None, u64::MAX, threads) };
+    let alone = run_quietly(&few(1)).report;
+    assert_eq!(alone, run_quietly(&few(2)).report);
+    let table = &alone.tables[&By::Question];
+    for asked in Asked::ALL {
+        assert!(table.keys().any(|name| name.starts_with(asked.name())), "{asked:?}: {:?}", table.keys());
+    }
+}
+
+#[test]
+fn a_run_that_is_resumed_ends_as_one_that_was_not() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("run.json");
+    let kept = |cases: u64| Settings { cases, resume: Some(file.clone()), ..settings(None, u64::MAX, 1) };
+    run_quietly(&kept(60));
+    let resumed = run_quietly(&kept(140));
+    let whole = run_quietly(&Settings { cases: 140, ..settings(None, u64::MAX, 1) });
+    assert_eq!((resumed.next, &resumed.report), (whole.next, &whole.report));
+    let other = Settings { seed: 2, ..kept(140) };
+    assert!(run(&other, &AtomicBool::new(false), &mut |_| (), &mut |_| ()).is_err(), "the file is of another seed");
 }
 
 /// Neither all apart nor all overlapping, else the sweep would be worth little.
@@ -150,18 +169,31 @@ fn closed_forms_hold_the_truth() {
     for kinds in [(Kind::Sphere, Kind::Sphere), (Kind::Sphere, Kind::Capsule), (Kind::Box, Kind::HalfSpace)] {
         let mut failures = Vec::new();
         let mut failed = |failure: yardstick::coverage::Failure| failures.push(failure.source);
-        let count = if cfg!(debug_assertions) { 200 } else { 3000 };
-        let report = run(&settings(Some(kinds), count, 0, 1), &AtomicBool::new(false), &|_| (), &mut failed);
-        assert!(report.total().failed == 0 && report.total().count > 150, "{}", failures.join("\n"));
+        let cases = if cfg!(debug_assertions) { 200 } else { 3000 };
+        let settings = Settings { cases, ..settings(Some(kinds), u64::MAX, 1) };
+        let state = run(&settings, &AtomicBool::new(false), &mut |_| (), &mut failed).expect("no file");
+        let total = state.report.total;
+        assert!(total.failed == 0 && total.count > 2 * cases, "{}", failures.join("\n"));
     }
 }
 
 #[test]
-fn the_program_prints_a_table() {
-    let arguments = ["coverage", "--pairs", "40", "--rays", "4", "--kind", "sphere-sphere", "--seed", "3"];
+fn too_few_of_a_sort_are_said() {
+    let spheres = Settings { cases: 100, ..settings(Some((Kind::Sphere, Kind::Sphere)), u64::MAX, 1) };
+    let shortages = run_quietly(&spheres).report.shortages();
+    assert!(shortages.iter().any(|shortage| shortage.starts_with("form cone: 0.000 %")), "{shortages:?}");
+    assert!(!shortages.iter().any(|shortage| shortage.starts_with("form sphere")), "{shortages:?}");
+}
+
+#[test]
+fn the_program_prints_tables() {
+    let arguments = ["coverage", "--answers", "100", "--cases", "40", "--kind", "sphere-sphere", "--seed", "3"];
     let output = Command::new(env!("CARGO_BIN_EXE_yardstick")).args(arguments).output().expect("it runs");
     let said = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success() && said.contains("sphere-sphere") && said.contains("ray-sphere"), "{said}");
+    assert!(
+        output.status.success() && said.contains("distance convex") && said.contains("answers of seed 3"),
+        "{said}"
+    );
     let wrong = Command::new(env!("CARGO_BIN_EXE_yardstick")).args(["coverage", "--kind", "box-torus"]).output();
     assert_eq!(wrong.expect("it runs").status.code(), Some(2));
 }

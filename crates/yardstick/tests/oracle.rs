@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::{DQuat, DVec3};
 use yardstick::{
-    oracle::{Core, PlacedSolid, Solid, Truth, scale},
+    oracle::{Core, Place, PlacedSolid, Solid, Truth, look_for_overlap, meeting, scale},
     sets::{Form, HullTable, Placed, pairs},
 };
 
@@ -121,4 +121,41 @@ fn the_reference_agrees() {
         }
     }
     assert!(compared > 100, "{compared}");
+}
+
+#[test]
+fn forms_in_motion_meet_when_they_do() {
+    let (cube, ball) = (Solid { core: CUBE, radius: 0.0 }, Solid { core: Core::Point, radius: 0.5 });
+    let still = Place::of(&place(CUBE, 0.0, DVec3::ZERO));
+    let comes = |from: DVec3, displacement: DVec3| Place { position: from, displacement, ..still };
+    let meets = |from: DVec3, way: DVec3| meeting([(&cube, &still), (&ball, &comes(from, way))]);
+    let ahead = meets(DVec3::X * 4.0, DVec3::X * -5.0);
+    assert!((ahead.free_until - 0.5).abs() < 1e-15 && (ahead.touching_at.expect("a touch") - 0.5).abs() < 1e-15);
+    assert_eq!(meets(DVec3::X * 4.0, DVec3::X * -2.0).touching_at, None);
+    assert_eq!(meets(DVec3::new(4.0, 1.6, 0.0), DVec3::X * -9.0).touching_at, None);
+    assert!(meets(DVec3::new(0.5, 0.0, 0.0), DVec3::ZERO).touches_at_start);
+}
+
+#[test]
+fn an_overlap_in_a_turn_is_seen_and_one_before_it_is_not() {
+    // A stick along y that turns about z comes to a ball on its left after a quarter of a turn, less what the ball reaches.
+    let (stick, ball) =
+        (Solid { core: Core::Segment { half_height: 1.0 }, radius: 0.0 }, Solid { core: Core::Point, radius: 0.1 });
+    let turns = |part: Option<(DVec3, DQuat)>| Place {
+        position: DVec3::ZERO,
+        rotation: DQuat::IDENTITY,
+        part,
+        displacement: DVec3::ZERO,
+        spin: DVec3::Z * std::f64::consts::PI,
+    };
+    let still = |position: DVec3| Place { position, spin: DVec3::ZERO, ..turns(None) };
+    let first = 0.5 - 0.2_f64.asin() / std::f64::consts::PI;
+    let left = still(DVec3::X * -0.5);
+    let seen = |end: f64| look_for_overlap([(&stick, &turns(None)), (&ball, &left)], end);
+    assert!(seen(first - 1e-12).overlap_at.is_none());
+    assert!(seen(first + 1e-6).overlap_at.expect("they touch") >= first);
+    // As a part that lies off the middle it turns with its arm.
+    let arm = turns(Some((DVec3::Y * 3.0, DQuat::IDENTITY)));
+    assert!(look_for_overlap([(&stick, &arm), (&ball, &left)], 1.0).overlap_at.is_none());
+    assert!(look_for_overlap([(&stick, &arm), (&ball, &still(DVec3::X * -3.0))], 1.0).overlap_at.is_some());
 }

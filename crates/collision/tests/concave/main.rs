@@ -5,6 +5,7 @@ mod compounds;
 mod exact;
 mod extremes;
 mod fields;
+mod found;
 mod terrain;
 #[path = "../whole/mod.rs"]
 mod whole;

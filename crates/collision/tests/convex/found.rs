@@ -3,9 +3,9 @@
 use collision::{
     DQuat, DVec3,
     accuracy::{Accuracy, Tier},
-    answer::{Verdict, Work},
+    answer::{Certificate, Stop, Verdict, Work},
     math::Pose,
-    narrow::{self, Depth, Motion, Placed},
+    narrow::{self, Depth, InitialTouch, Motion, Placed},
     shape::Geometry,
 };
 
@@ -142,4 +142,50 @@ fn an_impact_of_flat_hulls_keeps_its_budget() {
     let found = narrow::impact(a, b, &motion, &accuracy, &mut Work::default()).expect("they touch at the start");
     // The way, what is at the start, and the proof have the budget each.
     assert!(found.certificate.iterations <= 3 * accuracy.budget + 64, "{found:?}");
+}
+
+/// Of a motion whose touch at the start is ignored, a budget that was spent before that touch was told counted as one.
+#[test]
+fn a_start_that_a_budget_leaves_open_is_not_passed_over() {
+    let egg =
+        Geometry::ellipsoid(DVec3::new(0.2589875074356257, 0.602149471929991, 0.24802526202749933)).expect("sizes");
+    let cone =
+        Geometry::cone(0.5223130383766871, 0.2758040947161228).and_then(|cone| cone.rounded(0.00018878605149055472));
+    let cone = cone.expect("sizes");
+    let turn = DQuat::from_xyzw(-0.013939865452926812, 0.596855672647896, 0.8006173601816013, -0.05080185779108874);
+    let a = at(&egg, Pose::new(DVec3::new(0.7041178168596847, 0.5468300397950485, -0.4529845555408012), turn));
+    let turn = DQuat::from_xyzw(-0.005332159085032253, 0.22830416903503967, 0.30624536132510183, -0.019432295710387393);
+    let b = at(&cone, Pose::new(DVec3::new(0.7157308244920146, 0.9556590155132794, -0.11377390717076033), turn));
+    let motion = Motion {
+        displacement_a: DVec3::new(-4.971235105039601e-7, 5.432396394507209e-7, -7.665248674011533e-7),
+        displacement_b: DVec3::new(2.815033374329646e-7, -3.076172586893578e-7, 4.3405573029535174e-7),
+        initial: InitialTouch::IsIgnored,
+        ..Motion::default()
+    };
+    for tier in [Tier::Fast, Tier::Standard, Tier::Exact] {
+        let touch = narrow::impact(a, b, &motion, &Accuracy::of(tier), &mut Work::default());
+        let bound = touch.expect("they meet").certificate.bound;
+        assert!(bound.contains(0.2278335367138472), "{tier:?}: {bound:?}");
+    }
+}
+
+/// An interval that rounding leaves wide said that it was as narrow as was asked.
+#[test]
+fn a_touch_in_doubt_does_not_say_that_it_is_as_narrow_as_was_asked() {
+    let floor = Geometry::half_space(DVec3::new(0.0, 0.0, -0.5), 0.0).expect("a normal");
+    let can = Geometry::cylinder(0.625, 0.875).expect("sizes");
+    let a = at(&floor, Pose::at(DVec3::new(-0.125, 0.5, -0.875)));
+    let b = at(&can, Pose::at(DVec3::new(-0.375, 0.625, -1.75)));
+    let motion = Motion {
+        displacement_a: DVec3::new(6128.868943723879, 734.5871110451372, 2018.8274826066208),
+        displacement_b: DVec3::new(-72588.30420588935, -8700.20768462889, -23910.32746698284),
+        rotation_a: DVec3::new(-3.90642992363751, 210.28237912688195, 53.61244301937273),
+        rotation_b: DVec3::new(58.52230105532901, -16.004519190154145, 37.30952329062552),
+        ..Motion::default()
+    };
+    let accuracy = Accuracy::default();
+    let touch = narrow::impact(a, b, &motion, &accuracy, &mut Work::default()).expect("they touch at the start");
+    let Certificate { bound, stop, .. } = touch.certificate;
+    let is_narrow = bound.width() <= accuracy.max_error_relative * bound.upper;
+    assert!(stop != Stop::Tolerance || is_narrow, "{touch:?}");
 }

@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use collision::{
     answer::{Certificate, Work},
     math::Pose,
-    narrow::{self, Contact, NeedsDecomposition, Placed, Separation},
+    narrow::{self, Contact, NeedsDecomposition, Placed, Separation, Warm},
     shape::{Geometry, GeometryError},
 };
 
@@ -20,6 +20,17 @@ pub struct Answers {
     /// Whether they overlap.
     pub overlap: Certificate,
     /// `None`: farther apart than the greatest gap asked.
+    pub contact: Option<Contact>,
+    /// Distance and contact again, from where the pair stood before.
+    pub warm: Option<Warmed>,
+}
+
+/// What is said of a pair that has been asked about at other poses before.
+#[derive(Clone, Debug)]
+pub struct Warmed {
+    /// As in [`Answers`].
+    pub distance: Option<Separation>,
+    /// As in [`Answers`].
     pub contact: Option<Contact>,
 }
 
@@ -39,7 +50,7 @@ pub(super) fn geometry(solid: &Solid) -> Result<Geometry, GeometryError> {
     }
 }
 
-fn pose(placed: &PlacedSolid) -> Pose {
+pub(super) fn pose(placed: &PlacedSolid) -> Pose {
     Pose::new(placed.position, placed.rotation)
 }
 
@@ -59,7 +70,11 @@ pub(super) fn ask(question: &Question) -> Result<[Answers; 2], Unasked> {
     let b = geometry(&question.b.solid).map_err(refused)?;
     let a = Placed { geometry: &a, pose: pose(&question.a) };
     let b = Placed { geometry: &b, pose: pose(&question.b) };
-    let both = || Ok([one_order(question, a, b)?, one_order(question, b, a)?]);
+    let both = || {
+        let there = one_order(question, a, b)?;
+        let warm = Some(warmed(question, a, b)?);
+        Ok([Answers { warm, ..there }, one_order(question, b, a)?])
+    };
     let answered: Result<[Answers; 2], NeedsDecomposition> =
         catch_unwind(AssertUnwindSafe(both)).map_err(|_| Unasked::Panicked)?;
     answered.map_err(|error| Unasked::Refused(error.to_string()))
@@ -71,5 +86,19 @@ fn one_order(question: &Question, a: Placed<'_>, b: Placed<'_>) -> Result<Answer
         distance: narrow::distance(a, b, question.limit, accuracy, work),
         overlap: narrow::overlap(a, b, accuracy, work),
         contact: narrow::penetration(a, b, question.max_gap, accuracy, work)?.into_iter().next(),
+        warm: None,
+    })
+}
+
+/// Two questions at the pose before warm what is remembered; then the ones that are judged.
+fn warmed(question: &Question, a: Placed<'_>, b: Placed<'_>) -> Result<Warmed, NeedsDecomposition> {
+    let (accuracy, work) = (&question.accuracy, &mut Work::default());
+    let before = Placed { pose: Pose::new(question.before.0, question.before.1), ..b };
+    let (mut of_distance, mut of_contact) = (Warm::default(), Warm::default());
+    narrow::distance_warm(a, before, f64::INFINITY, accuracy, &mut of_distance, work);
+    narrow::penetration_warm(a, before, question.max_gap, accuracy, &mut of_contact, work)?;
+    Ok(Warmed {
+        distance: narrow::distance_warm(a, b, question.limit, accuracy, &mut of_distance, work),
+        contact: narrow::penetration_warm(a, b, question.max_gap, accuracy, &mut of_contact, work)?.into_iter().next(),
     })
 }

@@ -142,7 +142,12 @@ pub(super) fn form(random: &mut Random, kind: Kind, style: Style, size: f64) -> 
         // Returned above.
         Kind::HalfSpace => Core::Point,
     };
-    Solid { core, radius: rounding(random, kind, style, size) }
+    let radius = rounding(random, kind, style, size);
+    match core {
+        // Such an ellipsoid is a ball, whose radius with a rounding is a sum that is rounded.
+        Core::Ellipsoid { radii } if radii.min_element() == radii.max_element() => Solid { core, radius: 0.0 },
+        core => Solid { core, radius },
+    }
 }
 
 fn rounding(random: &mut Random, kind: Kind, style: Style, size: f64) -> f64 {

@@ -8,99 +8,14 @@ use collision::{
 };
 
 use super::{
-    ask::{Answers, geometry},
+    ask::{Answers, Warmed, geometry},
+    outcome::{Answer, Asked, FaultKind, Outcome},
     pairs::Question,
 };
 use crate::oracle::{PlacedSolid, Truth, scale};
 
-/// What is wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum FaultKind {
-    /// An interval does not hold the truth.
-    Bound,
-    /// A wrong yes or no.
-    Verdict,
-    /// Undecided, though not near touch.
-    Undecided,
-    /// Wider than was asked, though converged.
-    Width,
-    /// A normal that is not of length 1 or not the way out that the bound says.
-    Normal,
-    /// NaN, bounds in the wrong order, a value outside of them.
-    Form,
-    /// Nearest points that are not as far apart as the distance.
-    Points,
-    /// Swapped arguments do not swap the answer.
-    Order,
-    /// A kernel panicked.
-    Panic,
-}
-
-impl FaultKind {
-    /// All of them.
-    pub const ALL: [Self; 9] = [
-        Self::Bound,
-        Self::Verdict,
-        Self::Undecided,
-        Self::Width,
-        Self::Normal,
-        Self::Form,
-        Self::Points,
-        Self::Order,
-        Self::Panic,
-    ];
-
-    /// Its name in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Bound => "bound",
-            Self::Verdict => "verdict",
-            Self::Undecided => "undecided",
-            Self::Width => "width",
-            Self::Normal => "normal",
-            Self::Form => "form",
-            Self::Points => "points",
-            Self::Order => "order",
-            Self::Panic => "panic",
-        }
-    }
-}
-
-/// Something wrong with an answer.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
-    /// What kind of thing.
-    pub kind: FaultKind,
-    /// In words and numbers.
-    pub what: String,
-}
-
-/// What came of a pair.
-#[derive(Clone, Debug, Default)]
-pub struct Outcome {
-    /// Nothing, if all is right.
-    pub faults: Vec<Fault>,
-    /// They overlap, says the oracle.
-    pub overlaps: bool,
-    /// The overlap question was left open.
-    pub is_undecided: bool,
-    /// Width of the distance's interval over s, in the exact tier.
-    pub distance_width: Option<f64>,
-    /// Width of the depth's interval over s, in the exact tier.
-    pub depth_width: Option<f64>,
-    /// How far the oracle's own bounds are apart, over s.
-    pub blur: f64,
-}
-
-impl Outcome {
-    fn fault(&mut self, kind: FaultKind, what: impl Into<String>) {
-        self.faults.push(Fault { kind, what: what.into() });
-    }
-}
-
 /// Widest interval to accept of a search that converged, as a part of s.
-const CONVERGED: f64 = 1e-12;
+const CONVERGED: f64 = 1e-11;
 
 /// UNDECIDED is accepted within this part of s of touch.
 const OPEN: f64 = 1e-11;
@@ -119,6 +34,13 @@ const WORLD_POINT: f64 = 1e-15;
 /// Widths are judged relative to at least this, metres: the least size the service accepts.
 const SCALE_MIN: f64 = 1e-9;
 
+/// Whether the two arguments can be told from each other.
+#[derive(Clone, Copy, PartialEq)]
+enum Told {
+    Apart,
+    Alike,
+}
+
 struct Judge<'a> {
     question: &'a Question,
     truth: &'a Truth,
@@ -132,20 +54,52 @@ pub fn judge(question: &Question, [there, back]: &[Answers; 2], truth: &Truth) -
     let s = scale(&question.a, &question.b).max(SCALE_MIN);
     let outcome = Outcome { overlaps: !truth.is_above(0.0), blur: truth.blur() / s, ..Outcome::default() };
     let mut judge = Judge { question, truth, s, outcome };
+    let told = judge.told();
+    judge.begin(Asked::Distance);
     if truth.nearest().is_nan() {
         judge.fault(FaultKind::Form, "the oracle has no answer");
     }
     judge.distance(there.distance.as_ref());
+    judge.distance_order(there, back, told);
+    judge.begin(Asked::Overlap);
     judge.overlap(&there.overlap);
+    if told == Told::Apart && there.overlap != back.overlap {
+        judge.fault(FaultKind::Order, format!("overlap: {:?}, swapped {:?}", there.overlap, back.overlap));
+    }
+    judge.begin(Asked::Penetration);
     judge.contact(there.contact.as_ref());
-    judge.order(there, back);
+    judge.contact_order(there, back, told);
+    if let Some(warm) = &there.warm {
+        judge.warm(warm);
+    }
     judge.outcome
 }
 
 impl Judge<'_> {
+    fn begin(&mut self, asked: Asked) {
+        self.outcome.answers.push(Answer::to(asked));
+    }
+
+    /// The answer that is being judged.
+    fn answer(&mut self) -> &mut Answer {
+        if self.outcome.answers.is_empty() {
+            self.begin(Asked::Distance);
+        }
+        let last = self.outcome.answers.len() - 1;
+        &mut self.outcome.answers[last]
+    }
+
     fn fault(&mut self, kind: FaultKind, what: impl Into<String>) {
-        let what = what.into();
-        self.outcome.fault(kind, format!("{what}; truth {:e}, s {:e}", self.truth.nearest(), self.s));
+        let (what, truth, s) = (what.into(), self.truth.nearest(), self.s);
+        self.answer().fault(kind, format!("{what}; truth {truth:e}, s {s:e}"));
+    }
+
+    /// The same forms at other poses were asked first.
+    fn warm(&mut self, warm: &Warmed) {
+        self.begin(Asked::WarmDistance);
+        self.distance(warm.distance.as_ref());
+        self.begin(Asked::WarmPenetration);
+        self.contact(warm.contact.as_ref());
     }
 
     fn is_exact(&self) -> bool {
@@ -177,11 +131,8 @@ impl Judge<'_> {
             Verdict::Miss => self.fault(FaultKind::Verdict, "distance: MISS in an answer"),
             _ => {}
         }
-        self.width("distance", &answer.certificate);
+        self.certified("distance", &answer.certificate);
         self.witnesses(answer);
-        if self.is_exact() {
-            self.outcome.distance_width = Some(bound.width() / self.s);
-        }
     }
 
     /// Points carry no bound; they must be finite and as far apart as the answer says, to within what was asked.
@@ -205,6 +156,8 @@ impl Judge<'_> {
 
     fn overlap(&mut self, answer: &Certificate) {
         let bound = answer.bound;
+        self.answer().is_undecided = answer.verdict == Verdict::Undecided;
+        self.work("overlap", answer);
         let in_order = bound.lower <= bound.upper;
         if !in_order {
             self.fault(FaultKind::Form, format!("overlap in [{:e}, {:e}]", bound.lower, bound.upper));
@@ -218,7 +171,6 @@ impl Judge<'_> {
             Verdict::Hit if self.truth.is_above(0.0) => self.fault(FaultKind::Verdict, "overlap: HIT"),
             Verdict::Miss if self.truth.is_below(0.0) => self.fault(FaultKind::Verdict, "overlap: MISS"),
             Verdict::Undecided => {
-                self.outcome.is_undecided = true;
                 let is_excused = answer.stop == Stop::Budget && self.question.accuracy.tier != Tier::Exact;
                 if self.truth.nearest().abs() > OPEN * self.s && !is_excused {
                     let what = format!("overlap in [{:e}, {:e}], {:?}", bound.lower, bound.upper, answer.stop);
@@ -249,7 +201,7 @@ impl Judge<'_> {
             Verdict::Miss if self.truth.is_below(0.0) => self.fault(FaultKind::Verdict, "depth: MISS"),
             _ => {}
         }
-        self.width("depth", &answer.certificate);
+        self.certified("depth", &answer.certificate);
         let normal = answer.normal_b_to_a;
         if !is_unit(normal) {
             self.fault(FaultKind::Normal, format!("depth: normal {normal:?}"));
@@ -264,9 +216,6 @@ impl Judge<'_> {
         if answer.points.is_empty() || !points.fold(DVec3::ZERO, |sum, point| sum + point).is_finite() {
             self.fault(FaultKind::Form, format!("depth: points {:?}", answer.points));
         }
-        if self.is_exact() {
-            self.outcome.depth_width = Some(bound.width() / self.s);
-        }
     }
 
     fn form(&mut self, name: &str, bound: Bound, value: f64) {
@@ -276,55 +225,83 @@ impl Judge<'_> {
         }
     }
 
-    fn width(&mut self, name: &str, certificate: &Certificate) {
-        let (bound, accuracy) = (certificate.bound, &self.question.accuracy);
+    /// Width, work and verdict of an answer that has a value.
+    fn certified(&mut self, name: &str, certificate: &Certificate) {
+        let (bound, accuracy, s) = (certificate.bound, self.question.accuracy, self.s);
+        self.answer().is_undecided = certificate.verdict == Verdict::Undecided;
+        if self.is_exact() {
+            self.answer().width = Some(bound.width() / s);
+        }
+        self.work(name, certificate);
         let value = bound.lower.abs().max(bound.upper.abs());
         let asked = accuracy.max_error.max(accuracy.max_error_relative * value);
         let widest = match certificate.stop {
-            Stop::Budget if accuracy.tier == Tier::Exact => asked.max(CONVERGED * self.s),
             Stop::Budget => f64::INFINITY,
             Stop::Tolerance => asked,
-            Stop::Converged => asked.max(CONVERGED * self.s),
+            Stop::Converged => asked.max(CONVERGED * s),
         };
         let is_narrow = bound.width() <= widest;
         if !is_narrow {
-            let width = bound.width() / self.s;
+            let width = bound.width() / s;
             let what = format!(
                 "{name} in [{:e}, {:e}] is {width:e} s wide: {:?} by {:?} after {} iterations, asked {:e}",
                 bound.lower, bound.upper, certificate.stop, certificate.method, certificate.iterations, asked
             );
             self.fault(FaultKind::Width, what);
         }
+        let is_finished = bound.width() <= asked.max(CONVERGED * s);
+        self.answer().is_unfinished = !is_finished && certificate.stop == Stop::Budget && accuracy.tier == Tier::Exact;
     }
 
-    fn order(&mut self, there: &Answers, back: &Answers) {
-        // The same form at the same place twice, under whatever name (an ellipsoid of equal half axes is a sphere): no swap can
-        // be told.
+    fn work(&mut self, name: &str, certificate: &Certificate) {
+        let most = iterations_max(self.question.accuracy.budget);
+        if certificate.iterations > most {
+            let what = format!("{name}: {} iterations, at most {most} are allowed", certificate.iterations);
+            self.fault(FaultKind::Work, what);
+        }
+    }
+
+    /// Whether a swap of the arguments can be told: not of the same form at the same place twice, under whatever name (an
+    /// ellipsoid of equal half axes is a sphere).
+    fn told(&self) -> Told {
         let (a, b) = (&self.question.a, &self.question.b);
         let id = |placed: &PlacedSolid| geometry(&placed.solid).map(|geometry| geometry.id());
-        if a.position == b.position && a.rotation == b.rotation && id(a).ok() == id(b).ok() {
-            return;
-        }
-        if there.overlap != back.overlap {
-            self.fault(FaultKind::Order, format!("overlap: {:?}, swapped {:?}", there.overlap, back.overlap));
-        }
+        let is_same = a.position == b.position && a.rotation == b.rotation && id(a).ok() == id(b).ok();
+        if is_same { Told::Alike } else { Told::Apart }
+    }
+
+    fn distance_order(&mut self, there: &Answers, back: &Answers, told: Told) {
         let distance = |answer: &Separation, [on_a, on_b]: [DVec3; 2], sign: f64| {
             let normal = answer.normal_b_to_a.map(|normal| normal * sign);
             (answer.distance, answer.certificate, on_a, on_b, normal)
         };
         let here = there.distance.as_ref().map(|answer| distance(answer, [answer.point_on_a, answer.point_on_b], 1.0));
         let other = back.distance.as_ref().map(|answer| distance(answer, [answer.point_on_b, answer.point_on_a], -1.0));
-        if here != other {
+        if told == Told::Apart && here != other {
             self.fault(FaultKind::Order, format!("distance: {here:?}, swapped {other:?}"));
         }
+    }
+
+    fn contact_order(&mut self, there: &Answers, back: &Answers, told: Told) {
         let contact = |answer: &Contact, sign: f64| (answer.depth, answer.certificate, answer.normal_b_to_a * sign);
         let here = there.contact.as_ref().map(|answer| contact(answer, 1.0));
         let other = back.contact.as_ref().map(|answer| contact(answer, -1.0));
-        if here != other {
+        if told == Told::Apart && here != other {
             self.fault(FaultKind::Order, format!("depth: {here:?}, swapped {other:?}"));
         }
     }
 }
+
+/// The most iterations of a question about two convex forms. Each search that a question is made of has the whole budget, and at most
+/// so many follow each other.
+pub(super) fn iterations_max(budget: u32) -> u32 {
+    budget.saturating_mul(SEARCHES_MAX).saturating_add(ONCE)
+}
+
+const SEARCHES_MAX: u32 = 4;
+
+/// Iterations of closed forms and of all axes of two polytopes, which no budget stops: those are asked while there are few.
+const ONCE: u32 = 2048;
 
 fn is_unit(normal: DVec3) -> bool {
     (normal.length() - 1.0).abs() <= NORMAL

@@ -28,6 +28,8 @@ pub struct Question {
     pub limit: f64,
     /// The greatest gap of a contact, metres; mostly 0.
     pub max_gap: f64,
+    /// Where the second form was when warm questions were asked before: near by, or anywhere.
+    pub before: (DVec3, DQuat),
 }
 
 /// What is hard about a pair.
@@ -46,9 +48,11 @@ enum Category {
     Denormal,
     Grid,
     Distant,
+    Tiny,
+    Huge,
 }
 
-const CATEGORIES: [(Category, &str); 13] = [
+const CATEGORIES: [(Category, &str); 15] = [
     (Category::Generic, "generic"),
     (Category::NearTouch, "near_touch"),
     (Category::ExactTouch, "exact_touch"),
@@ -60,25 +64,17 @@ const CATEGORIES: [(Category, &str); 13] = [
     (Category::Aspect, "aspect"),
     (Category::NearParallel, "near_parallel"),
     (Category::Denormal, "denormal"),
-    (Category::Grid, "grid"),
+    (Category::Grid, "coplanar"),
     (Category::Distant, "distant"),
+    (Category::Tiny, "tiny"),
+    (Category::Huge, "huge"),
 ];
 
 /// The question that a seed and two kinds name.
 #[must_use]
 pub fn question(seed: u64, kinds: (Kind, Kind)) -> Question {
     let mut random = Random::new(seed);
-    let (category, name) = CATEGORIES[(random.bits() % CATEGORIES.len() as u64) as usize];
-    let size = if random.one_in(2) { 1.0 } else { power_of_ten(&mut random, -6.0, 6.0) };
-    let (mut a, mut b) = Maker { random: &mut random, kinds, size }.pair(category);
-    for placed in [&mut a, &mut b] {
-        if random.one_in(4) {
-            placed.rotation *= stretch(&mut random);
-        }
-    }
-    if random.one_in(2) {
-        (a, b) = (b, a);
-    }
+    let (name, a, b) = placed_pair(&mut random, kinds);
     let s = scale(&a, &b);
     let accuracy = accuracy(&mut random, s);
     let limit = if random.one_in(5) { s * power_of_ten(&mut random, -3.0, 0.5) } else { f64::INFINITY };
@@ -87,7 +83,38 @@ pub fn question(seed: u64, kinds: (Kind, Kind)) -> Question {
         1 => s * 10.0,
         _ => 0.0,
     };
-    Question { category: name, a, b, accuracy, limit, max_gap }
+    let before = before(&mut random, &b, s);
+    Question { category: name, a, b, accuracy, limit, max_gap, before }
+}
+
+/// Two forms of these kinds, placed so that they are hard, in any order; with the name of what is hard about them.
+pub(super) fn placed_pair(random: &mut Random, kinds: (Kind, Kind)) -> (&'static str, PlacedSolid, PlacedSolid) {
+    let (category, name) = CATEGORIES[(random.bits() % CATEGORIES.len() as u64) as usize];
+    let size = match category {
+        Category::Tiny => power_of_ten(random, -8.5, -6.0),
+        Category::Huge => power_of_ten(random, 6.0, 8.5),
+        _ if random.one_in(2) => 1.0,
+        _ => power_of_ten(random, -6.0, 6.0),
+    };
+    let (mut a, mut b) = Maker { random, kinds, size }.pair(category);
+    for placed in [&mut a, &mut b] {
+        if random.one_in(4) {
+            placed.rotation *= stretch(random);
+        }
+    }
+    if random.one_in(2) { (name, b, a) } else { (name, a, b) }
+}
+
+/// Where a form was before: a small way off, or anywhere, or just there.
+fn before(random: &mut Random, placed: &PlacedSolid, s: f64) -> (DVec3, DQuat) {
+    let near = match random.bits() % 4 {
+        0 => return (placed.position, placed.rotation),
+        1 => return (placed.position + random.direction() * s, random.rotation()),
+        _ => power_of_ten(random, -9.0, -1.0),
+    };
+    let tilt = random.direction() * near;
+    let turn = DQuat::from_xyzw(tilt.x, tilt.y, tilt.z, 1.0);
+    (placed.position + random.direction() * (near * s), turn * placed.rotation.normalize())
 }
 
 /// Lengths of quaternions, very short ones among them.
@@ -99,7 +126,7 @@ fn stretch(random: &mut Random) -> f64 {
     }
 }
 
-fn accuracy(random: &mut Random, s: f64) -> Accuracy {
+pub(super) fn accuracy(random: &mut Random, s: f64) -> Accuracy {
     let tier = match random.bits() % 8 {
         0 => Tier::Fast,
         1 => Tier::Standard,
@@ -119,6 +146,10 @@ impl Maker<'_> {
     fn pair(&mut self, category: Category) -> (PlacedSolid, PlacedSolid) {
         match category {
             Category::Generic => self.generic(Style::Plain),
+            Category::Tiny | Category::Huge => {
+                let pair = self.generic(Style::Plain);
+                if self.random.one_in(2) { self.near_touch(pair) } else { pair }
+            }
             Category::Aspect => {
                 let pair = self.generic(Style::Stretched);
                 if self.random.one_in(2) { self.near_touch(pair) } else { pair }

@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use super::{
     ask::geometry,
     forms::{Kind, Style, form, power_of_ten},
-    judge::{Fault, FaultKind, Outcome},
+    outcome::{Answer, Asked, FaultKind, Outcome},
 };
 use crate::{
     oracle::{Core, Inside, PlacedSolid, Solid, Truth, length, stretch_inside},
@@ -29,7 +29,7 @@ pub struct RayQuestion {
     pub ray: Ray,
 }
 
-const CATEGORIES: [&str; 7] = ["toward", "far", "within", "grazing", "along_axis", "far_offset", "awkward"];
+const CATEGORIES: [&str; 7] = ["generic", "distant", "deep_inside", "grazing", "coplanar", "far_offset", "awkward"];
 
 /// The question that a seed and a kind name.
 #[must_use]
@@ -39,7 +39,7 @@ pub fn ray_question(seed: u64, kind: Kind) -> RayQuestion {
     let category = CATEGORIES[(random.bits() % CATEGORIES.len() as u64) as usize];
     let size = if random.one_in(2) { 1.0 } else { power_of_ten(random, -6.0, 6.0) };
     let style = match category {
-        "along_axis" => Style::Dyadic,
+        "coplanar" => Style::Dyadic,
         "awkward" if random.one_in(2) => Style::Denormal,
         "awkward" => Style::Stretched,
         _ => Style::Plain,
@@ -50,7 +50,7 @@ pub fn ray_question(seed: u64, kind: Kind) -> RayQuestion {
     let reach = target.solid.reach().max(1e-9);
     let (origin, direction) = match category {
         "grazing" => grazing(random, &target, reach),
-        "along_axis" => {
+        "coplanar" => {
             target.position = (target.position * (8.0 / size)).round() * (size / 8.0);
             target.rotation = DQuat::IDENTITY;
             let axis = [DVec3::X, DVec3::Y, DVec3::NEG_Z][(random.bits() % 3) as usize];
@@ -59,8 +59,8 @@ pub fn ray_question(seed: u64, kind: Kind) -> RayQuestion {
         }
         _ => {
             let far = match category {
-                "within" => random.uniform(0.0, 0.5),
-                "far" => power_of_ten(random, 1.0, 9.0),
+                "deep_inside" => random.uniform(0.0, 0.5),
+                "distant" => power_of_ten(random, 1.0, 9.0),
                 _ => random.uniform(0.5, 4.0),
             };
             let origin = target.position + random.direction() * (reach * far).min(1e11);
@@ -73,6 +73,11 @@ pub fn ray_question(seed: u64, kind: Kind) -> RayQuestion {
     target.position += offset;
     let stretch = if random.one_in(8) { 1e-120 } else { power_of_ten(random, -3.0, 3.0) };
     let ray = limited(random, origin + offset, direction * stretch, reach);
+    let category = match (category, style) {
+        ("awkward", Style::Denormal) => "denormal",
+        ("awkward", _) => "aspect",
+        _ => category,
+    };
     RayQuestion { category, target, ray }
 }
 
@@ -156,10 +161,8 @@ pub fn judge_ray(question: &RayQuestion, answer: &RayTouches) -> Outcome {
     let (ray, target) = (&question.ray, &question.target);
     let s = (2.0 * target.solid.reach() + length(ray.origin - target.position)).max(SCALE_MIN);
     let stretch = stretch_inside(target, ray.origin, ray.direction);
-    let mut outcome = Outcome { overlaps: stretch.is_some(), ..Outcome::default() };
-    let mut fault = |kind: FaultKind, what: String| {
-        outcome.faults.push(Fault { kind, what: format!("{what}; truth {stretch:?}, s {s:e}") });
-    };
+    let mut judged = Answer::to(Asked::Ray);
+    let mut fault = |kind: FaultKind, what: String| judged.fault(kind, format!("{what}; truth {stretch:?}, s {s:e}"));
     let said: Vec<&RayTouch> = answer.certain.iter().chain(&answer.undecided).collect();
     for touch in &said {
         let bound = touch.certificate.bound;
@@ -189,7 +192,7 @@ pub fn judge_ray(question: &RayQuestion, answer: &RayTouches) -> Outcome {
         }
         Expected::Nothing | Expected::Open => {}
     }
-    outcome.is_undecided = answer.undecided.is_some();
-    outcome.distance_width = answer.certain.as_ref().map(|touch| touch.certificate.bound.width() / s);
-    outcome
+    judged.is_undecided = answer.undecided.is_some();
+    judged.width = answer.certain.as_ref().map(|touch| touch.certificate.bound.width() / s);
+    Outcome { overlaps: stretch.is_some(), ..Outcome::of(judged) }
 }

@@ -14,6 +14,8 @@ use std::{
     ops::{Add, Div, Mul, Neg, Sub},
 };
 
+use super::space::times_power_of_two;
+
 /// What the oracle computes with, so that one formula serves both precisions.
 pub trait Number:
     Copy
@@ -76,6 +78,13 @@ impl Double {
         Self { high, low }
     }
 
+    /// Times a power of two: exact unless it leaves the range of f64.
+    #[must_use]
+    pub fn times_power_of_two(self, exponent: i32) -> Self {
+        Self { high: times_power_of_two(self.high, exponent), low: times_power_of_two(self.low, exponent) }
+    }
+
+    #[inline]
     fn renormalised(high: f64, low: f64) -> Self {
         let sum = high + low;
         Self { high: sum, low: low - (sum - high) }
@@ -83,6 +92,7 @@ impl Double {
 }
 
 /// Sum and its error, exactly.
+#[inline]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let of_b = sum - a;
@@ -92,6 +102,7 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 /// Splits 53 bits into 26 and 27.
 const SPLITTER: f64 = 134_217_729.0;
 
+#[inline]
 fn halves(a: f64) -> (f64, f64) {
     let wide = SPLITTER * a;
     let high = wide - (wide - a);
@@ -99,6 +110,7 @@ fn halves(a: f64) -> (f64, f64) {
 }
 
 /// Product and its error, exactly where nothing underflows.
+#[inline]
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     let ((a_high, a_low), (b_high, b_low)) = (halves(a), halves(b));
@@ -106,14 +118,17 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl Number for Double {
+    #[inline]
     fn of(value: f64) -> Self {
         Self { high: value, low: 0.0 }
     }
 
+    #[inline]
     fn nearest(self) -> f64 {
         self.high
     }
 
+    #[inline]
     /// One step of Newton's from the root of the higher part doubles its digits.
     fn root(self) -> Self {
         if self.high <= 0.0 {
@@ -128,6 +143,7 @@ impl Number for Double {
 impl Add for Double {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         let (high, high_error) = two_sum(self.high, other.high);
         let (low, low_error) = two_sum(self.low, other.low);
@@ -139,6 +155,7 @@ impl Add for Double {
 impl Neg for Double {
     type Output = Self;
 
+    #[inline]
     fn neg(self) -> Self {
         Self { high: -self.high, low: -self.low }
     }
@@ -147,6 +164,7 @@ impl Neg for Double {
 impl Sub for Double {
     type Output = Self;
 
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -155,6 +173,7 @@ impl Sub for Double {
 impl Mul for Double {
     type Output = Self;
 
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let (product, error) = two_product(self.high, other.high);
         Self::renormalised(product, error + (self.high * other.low + self.low * other.high))
@@ -165,6 +184,7 @@ impl Div for Double {
     type Output = Self;
 
     /// Long division with three digits of 53 bits each.
+    #[inline]
     fn div(self, other: Self) -> Self {
         let first = self.high / other.high;
         let rest = self - other * Self::of(first);
@@ -176,6 +196,7 @@ impl Div for Double {
 }
 
 impl PartialOrd for Double {
+    #[inline]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.high.partial_cmp(&other.high)?.then(self.low.partial_cmp(&other.low)?))
     }

@@ -9,7 +9,8 @@ use glam::DVec3;
 
 use super::{
     double::{Double, Number},
-    form::{Core, PlacedSolid, Solid},
+    form::{Core, Solid},
+    place::Place,
     space::{Turn, Vector, exponent_of, times_power_of_two, vector},
 };
 
@@ -177,26 +178,39 @@ pub(super) struct Pair {
     pub(super) exponent: i32,
 }
 
+/// Cores of more corners are asked how far they are apart, and how deep they are in each other is left open.
+const CORNERS_MAX: usize = 64;
+
 impl Pair {
-    pub(super) fn new(a: &PlacedSolid, b: &PlacedSolid) -> Self {
-        let apart = b.position - a.position;
-        let extent = a.solid.reach() + b.solid.reach() + apart.abs().max_element();
+    /// One of the cores has so many corners that not all pairs of them can be looked at.
+    pub(super) fn has_many_corners(&self) -> bool {
+        let count = |body: &Body<Double>| body.corners().map_or(0, |(corners, _)| corners.len());
+        count(&self.exact.a).max(count(&self.exact.b)) > CORNERS_MAX
+    }
+
+    /// At a time of their motions. The exponent is the same at all times.
+    pub(super) fn at([(a, place_a), (b, place_b)]: [(&Solid, &Place); 2], time: Double) -> Self {
+        let apart = place_b.position - place_a.position;
+        let extent = a.reach() + b.reach() + place_a.extent() + place_b.extent() + apart.abs().max_element();
         let exponent = -exponent_of(extent);
         let size = |value: f64| times_power_of_two(value, exponent);
+        let sizes = |v: DVec3| Vector::of(DVec3::new(size(v.x), size(v.y), size(v.z)));
         let way = |from: f64, to: f64| {
             // Where the scale is far up, the positions are near 0 or alike: the difference is exact, its scaling too.
             if exponent > 500 { Double::of(size(to - from)) } else { Double::difference(size(to), size(from)) }
         };
-        let (p, q) = (a.position, b.position);
-        let position = vector(way(p.x, q.x), way(p.y, q.y), way(p.z, q.z));
-        let exact = Cores {
-            a: Body::new(&a.solid, Vector::zero(), Turn::of(a.rotation), exponent),
-            b: Body::new(&b.solid, position, Turn::of(b.rotation), exponent),
+        let (p, q) = (place_a.position, place_b.position);
+        let ahead = (sizes(place_b.displacement) - sizes(place_a.displacement)) * time;
+        let origin_b = vector(way(p.x, q.x), way(p.y, q.y), way(p.z, q.z)) + ahead;
+        let body = |solid: &Solid, place: &Place, origin: Vector<Double>| {
+            let (arm, turn) = place.stand(time, sizes);
+            Body::new(solid, origin + arm, turn, exponent)
         };
+        let exact = Cores { a: body(a, place_a, Vector::zero()), b: body(b, place_b, origin_b) };
         Self {
             rough: Cores { a: exact.a.rounded(), b: exact.b.rounded() },
             exact,
-            radius: Double::of(size(a.solid.radius)) + Double::of(size(b.solid.radius)),
+            radius: Double::of(size(a.radius)) + Double::of(size(b.radius)),
             exponent,
         }
     }

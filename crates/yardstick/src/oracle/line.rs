@@ -12,11 +12,13 @@
 use glam::DVec3;
 
 use super::{
-    apart,
+    apart::{self, Needed},
     double::{Double, Number},
     form::{Core, PlacedSolid, Solid},
     frame::{Kind, Pair, Wiring},
-    inside, polytope,
+    inside,
+    place::Place,
+    polytope,
     space::{Vector, exponent_of, times_power_of_two},
 };
 
@@ -60,12 +62,18 @@ struct End {
 /// but 0.
 #[must_use]
 pub fn stretch_inside(solid: &PlacedSolid, origin: DVec3, direction: DVec3) -> Option<Inside> {
-    let point = PlacedSolid {
+    stretch_inside_part(&solid.solid, &Place::of(solid), origin, direction)
+}
+
+/// The same of a form at a place, at the start of its motion.
+#[must_use]
+pub fn stretch_inside_part(solid: &Solid, place: &Place, origin: DVec3, direction: DVec3) -> Option<Inside> {
+    let eye = PlacedSolid {
         solid: Solid { core: Core::Point, radius: 0.0 },
         position: origin,
         rotation: glam::DQuat::IDENTITY,
     };
-    let pair = Pair::new(solid, &point);
+    let pair = Pair::at([(solid, place), (&eye.solid, &Place::of(&eye))], Double::default());
     let exponent = -exponent_of(direction.abs().max_element());
     let parts = direction.to_array().map(|part| times_power_of_two(part, exponent));
     let origin = pair.exact.b.position;
@@ -103,7 +111,7 @@ impl Line {
         self.pair.exact.b.kind = Kind::Corners(vec![point], Wiring::All);
         self.pair.rough.b.kind = Kind::Corners(vec![point.rounded()], Wiring::All);
         let found = polytope::signed_distance(&self.pair).or_else(|| {
-            let apart = apart::distance(&self.pair);
+            let apart = apart::distance(&self.pair, Needed::All);
             (apart.normal != Vector::zero()).then_some((apart.lower, apart.normal))
         })?;
         Some((found.0 - self.pair.radius, found.1))
@@ -112,7 +120,7 @@ impl Line {
     /// How deep the point at a way is inside, 0 outside; to about 16 digits.
     fn depth_at(&mut self, way: Double) -> f64 {
         let gap = self.gap_at(way).filter(|(gap, _)| gap.nearest() > ON_SURFACE);
-        if gap.is_some() {
+        if gap.is_some() || self.pair.has_many_corners() {
             return 0.0;
         }
         let (gap, _) =

@@ -2,25 +2,37 @@
 //!
 //! # Map
 //! [`Truth`] is the signed distance of two convex forms to 32 digits, with bounds of its own, [`stretch_inside`] the stretch of
-//! a line in one. The rest are plain f64 formulas for the conformance runner: every feature looked at, no tree and no iteration.
+//! a line in one. [`Place`] says where a form is at a time of its motion: [`meeting`] is the first touch of two that do not turn,
+//! [`look_for_overlap`] looks for one of two that do. [`Union`] is a concave form as its convex pieces. The rest are plain f64 formulas for the conformance runner: every feature looked at, no tree and no iteration.
 
 mod apart;
 mod convex;
 mod double;
 mod form;
 mod frame;
+mod gap;
 mod inside;
 mod line;
+mod meeting;
+mod place;
 mod plane;
 mod polytope;
 mod space;
 mod surface;
 mod truth;
+mod turning;
+mod union;
+mod winding;
 
 pub use double::{Double, Number};
 pub use form::{Core, PlacedSolid, Solid, length, scale};
-pub use line::{Inside, stretch_inside};
+pub use line::{Inside, stretch_inside, stretch_inside_part};
+pub use meeting::{Meeting, meeting};
+pub use place::Place;
 pub use truth::Truth;
+pub use turning::{Sighting, look_for_overlap};
+pub use union::{Piece, Union};
+pub use winding::winding_number;
 
 pub use convex::{separation_along, signed_distance_lower, support_height};
 pub use surface::{distance_to_mesh, distance_to_triangle, nearest_on_mesh};

@@ -4,23 +4,23 @@ use glam::DVec3;
 
 use super::{
     double::{Double, Number},
-    form::{Core, PlacedSolid},
+    form::{Core, Solid},
     frame::{Body, Pair},
-    space::{Turn, Vector, exponent_of, times_power_of_two},
+    space::{Vector, exponent_of, times_power_of_two},
 };
 
 /// The signed distance of the cores and the unit vector from `a` to `b` along which it is; `None` if neither is a half
 /// space. Two half spaces are not known here.
-pub(super) fn signed_distance(a: &PlacedSolid, b: &PlacedSolid, pair: &Pair) -> Option<(Double, Vector<Double>)> {
-    let height = |space: &PlacedSolid, origin: Vector<Double>, body: &Body<Double>| {
-        let Core::HalfSpace { normal, offset } = &space.solid.core else { return None };
+pub(super) fn signed_distance(a: &Solid, b: &Solid, pair: &Pair) -> Option<(Double, Vector<Double>)> {
+    let height = |solid: &Solid, space: &Body<Double>, body: &Body<Double>| {
+        let Core::HalfSpace { normal, offset } = &solid.core else { return None };
         let exponent = -exponent_of(normal.abs().max_element());
         let normal = normal.to_array().map(|part| times_power_of_two(part, exponent));
-        let normal = Turn::of(space.rotation).out(Vector::of(DVec3::from_array(normal))).unit()?;
+        let normal = space.turn.out(Vector::of(DVec3::from_array(normal))).unit()?;
         let offset = Double::of(times_power_of_two(*offset, pair.exponent));
-        Some(((body.support(-normal) - origin).dot(normal) - offset, normal))
+        Some(((body.support(-normal) - space.position).dot(normal) - offset, normal))
     };
     let (of_a, of_b) = (&pair.exact.a, &pair.exact.b);
-    let b_above = height(a, of_a.position, of_b);
-    b_above.or_else(|| height(b, of_b.position, of_a).map(|(gap, normal)| (gap, -normal)))
+    let b_above = height(a, of_a, of_b);
+    b_above.or_else(|| height(b, of_b, of_a).map(|(gap, normal)| (gap, -normal)))
 }

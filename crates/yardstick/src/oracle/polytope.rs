@@ -17,13 +17,18 @@ use super::{
     space::{Vector, vector},
 };
 
-/// Edges and faces of a core, all of length 1.
+/// Edges and faces of a core, in f64: what is exact is computed where it is wanted.
 struct Features {
-    directions: Vec<Vector<Double>>,
+    /// The corners at both ends of each direction of edges.
+    ends: Vec<(usize, usize)>,
+    /// Those of a box, which may be flat.
+    axes: Option<[Vector<Double>; 3]>,
+    /// Its unit vector.
     rough: Vec<Vector<f64>>,
     /// A corner, and the direction of an edge from it.
     lines: Vec<(usize, usize)>,
-    faces: Vec<Vector<Double>>,
+    /// Two directions across each face.
+    faces: Vec<(usize, usize)>,
 }
 
 /// Where a direction comes from.
@@ -35,7 +40,11 @@ enum Source {
     /// An edge of `a`, a corner of `b`.
     CornerOfB(usize, usize),
     Edges(usize, usize),
-    Given(Vector<Double>),
+    /// Of one side, across two of its directions.
+    Face(usize, usize, usize),
+    /// Of one side, across one of its directions and an axis.
+    Across(usize, usize, usize),
+    Axis(usize),
 }
 
 /// Below this sine, or this length, a direction computed in f64 has too few digits to be looked at.
@@ -46,39 +55,47 @@ const ROUGH_ERROR: f64 = 1e-11;
 
 impl Features {
     fn of(body: &Body<Double>, corners: &[Vector<Double>], wiring: Wiring) -> Self {
-        let (directions, lines, faces) = match wiring {
+        let (ends, lines, faces) = match wiring {
             Wiring::Box => {
-                let axes = [0, 1, 2].map(|axis| body.turn.axis(axis));
                 let is_start = |corner: &usize, axis: usize| corner >> axis & 1 == 0;
                 let lines = (0..3).flat_map(|axis| {
                     (0..8_usize).filter(move |corner| is_start(corner, axis)).map(move |corner| (corner, axis))
                 });
-                (axes.to_vec(), lines.collect(), axes.to_vec())
+                (Vec::new(), lines.collect(), vec![(0, 1), (0, 2), (1, 2)])
             }
-            Wiring::All => all_features(corners),
+            Wiring::All => all_features(corners.len()),
         };
-        let rough = directions.iter().map(|direction| direction.rounded()).collect();
-        Self { directions, rough, lines, faces }
+        // The difference to 32 digits first, so that short edges have all their digits.
+        let axes = (wiring == Wiring::Box).then(|| [0, 1, 2].map(|axis| body.turn.axis(axis)));
+        let rough = ends.iter().map(|&(start, end)| {
+            let way = (corners[end] - corners[start]).rounded();
+            let most = way.x.abs().max(way.y.abs()).max(way.z.abs());
+            let way = if most > 0.0 { way * (1.0 / most) } else { way };
+            way.unit().unwrap_or(Vector::zero())
+        });
+        let rough = match &axes {
+            Some(axes) => axes.iter().map(|axis| axis.rounded()).collect(),
+            None => rough.collect(),
+        };
+        Self { rough, ends, axes, lines, faces }
     }
 }
 
-type Lines = Vec<(usize, usize)>;
+type Ends = Vec<(usize, usize)>;
 
-fn all_features(corners: &[Vector<Double>]) -> (Vec<Vector<Double>>, Lines, Vec<Vector<Double>>) {
-    let (mut directions, mut lines, mut faces) = (Vec::new(), Vec::new(), Vec::new());
-    for (i, &start) in corners.iter().enumerate() {
-        let first = directions.len();
-        for &end in &corners[i + 1..] {
-            if let Some(direction) = (end - start).unit() {
-                lines.push((i, directions.len()));
-                directions.push(direction);
-            }
+fn all_features(count: usize) -> (Ends, Ends, Ends) {
+    let (mut ends, mut lines, mut faces) = (Vec::new(), Vec::new(), Vec::new());
+    for start in 0..count {
+        let first = ends.len();
+        for end in start + 1..count {
+            lines.push((start, ends.len()));
+            ends.push((start, end));
         }
-        for (from, &u) in directions.iter().enumerate().skip(first) {
-            faces.extend(directions[from + 1..].iter().filter_map(|&v| perpendicular(u, v)));
+        for from in first..ends.len() {
+            faces.extend((from + 1..ends.len()).map(|to| (from, to)));
         }
     }
-    (directions, lines, faces)
+    (ends, lines, faces)
 }
 
 /// The unit vector across two unit vectors; `None` if they are parallel to within 1e-28.
@@ -95,6 +112,11 @@ fn from_line(corner: Vector<Double>, on_line: Vector<Double>, along: Vector<Doub
     (corner - on_line).across(along).unit()?.across(along).unit()
 }
 
+fn axis_of<T: Number>(axis: usize) -> Vector<T> {
+    let part = |index: usize| T::of(if index == axis { 1.0 } else { 0.0 });
+    vector(part(0), part(1), part(2))
+}
+
 struct Search<'a> {
     cores: &'a Cores<Double>,
     rough: &'a Cores<f64>,
@@ -107,9 +129,12 @@ struct Search<'a> {
 }
 
 /// The signed distance of two cores and the unit vector from `a` to `b` along which it is; `None` if one has more than
-/// corners. The value is never above the truth, and below it by no more than rounding.
+/// corners, or too many of them. The value is never above the truth, and below it by no more than rounding.
 pub(super) fn signed_distance(pair: &Pair) -> Option<(Double, Vector<Double>)> {
     let (a, b) = (pair.exact.a.corners()?, pair.exact.b.corners()?);
+    if pair.has_many_corners() {
+        return None;
+    }
     let features = [Features::of(&pair.exact.a, a.0, a.1), Features::of(&pair.exact.b, b.0, b.1)];
     let mut search = Search {
         cores: &pair.exact,
@@ -146,16 +171,19 @@ impl Search<'_> {
 
     /// Faces, and for forms without volume what is across one edge, or any direction.
     fn offer_given(&mut self) {
-        let one = |x: f64, y: f64, z: f64| vector(Double::of(x), Double::of(y), Double::of(z));
-        let axes = [one(1.0, 0.0, 0.0), one(0.0, 1.0, 0.0), one(0.0, 0.0, 1.0)];
-        let mut given = axes.to_vec();
-        for features in &self.features {
-            given.extend(&features.faces);
-            let across = |edge: &Vector<Double>| axes.map(|axis| perpendicular(*edge, axis));
-            given.extend(features.directions.iter().flat_map(across).flatten());
-        }
-        for direction in given {
-            self.offer(Source::Given(direction), direction.rounded());
+        (0..3).for_each(|axis| self.offer(Source::Axis(axis), axis_of(axis)));
+        for side in [0, 1] {
+            for face in 0..self.features[side].faces.len() {
+                let (u, v) = self.features[side].faces[face];
+                let cross = self.features[side].rough[u].cross(self.features[side].rough[v]);
+                self.offer(Source::Face(side, u, v), cross);
+            }
+            for edge in 0..self.features[side].rough.len() {
+                for axis in 0..3 {
+                    let cross = self.features[side].rough[edge].cross(axis_of(axis));
+                    self.offer(Source::Across(side, edge, axis), cross);
+                }
+            }
         }
     }
 
@@ -192,24 +220,35 @@ impl Search<'_> {
         }
     }
 
+    /// The unit vector along an edge; `None` if its ends coincide.
+    fn along(&self, side: usize, edge: usize) -> Option<Vector<Double>> {
+        if let Some(axes) = self.features[side].axes {
+            return Some(axes[edge]);
+        }
+        let (start, end) = self.features[side].ends[edge];
+        (self.corners[side][end] - self.corners[side][start]).unit()
+    }
+
     /// A direction to 32 digits; `None` if its features coincide or are parallel.
     fn direction(&self, source: Source) -> Option<Vector<Double>> {
         let line = |side: usize, line: usize| {
             let (start, direction) = self.features[side].lines[line];
-            (self.corners[side][start], self.features[side].directions[direction])
+            Some((self.corners[side][start], self.along(side, direction)?))
         };
         match source {
-            Source::Given(direction) => Some(direction),
+            Source::Axis(axis) => Some(axis_of(axis)),
+            Source::Face(side, u, v) => perpendicular(self.along(side, u)?, self.along(side, v)?),
+            Source::Across(side, edge, axis) => perpendicular(self.along(side, edge)?, axis_of(axis)),
             Source::Corners(i, j) => (self.corners[1][j] - self.corners[0][i]).unit(),
             Source::CornerOfA(corner, edge) => {
-                let (on_line, along) = line(1, edge);
+                let (on_line, along) = line(1, edge)?;
                 from_line(self.corners[0][corner], on_line, along)
             }
             Source::CornerOfB(edge, corner) => {
-                let (on_line, along) = line(0, edge);
+                let (on_line, along) = line(0, edge)?;
                 from_line(self.corners[1][corner], on_line, along)
             }
-            Source::Edges(i, j) => perpendicular(self.features[0].directions[i], self.features[1].directions[j]),
+            Source::Edges(i, j) => perpendicular(self.along(0, i)?, self.along(1, j)?),
         }
     }
 

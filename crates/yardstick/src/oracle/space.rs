@@ -45,10 +45,12 @@ impl<T: Number> Vector<T> {
         vector(T::of(0.0), T::of(0.0), T::of(0.0))
     }
 
+    #[inline]
     pub(super) fn dot(self, other: Self) -> T {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    #[inline]
     pub(super) fn cross(self, other: Self) -> Self {
         vector(
             self.y * other.z - self.z * other.y,
@@ -57,11 +59,13 @@ impl<T: Number> Vector<T> {
         )
     }
 
+    #[inline]
     pub(super) fn length(self) -> T {
         self.dot(self).root()
     }
 
     /// The same direction with length 1; `None` if the length is 0 or too small for its square to have all its digits.
+    #[inline]
     pub(super) fn unit(self) -> Option<Self> {
         let length = self.length();
         (length.nearest() > SHORTEST).then(|| self * (T::of(1.0) / length))
@@ -80,6 +84,7 @@ const SHORTEST: f64 = 1e-60;
 impl<T: Number> Add for Vector<T> {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         vector(self.x + other.x, self.y + other.y, self.z + other.z)
     }
@@ -88,6 +93,7 @@ impl<T: Number> Add for Vector<T> {
 impl<T: Number> Sub for Vector<T> {
     type Output = Self;
 
+    #[inline]
     fn sub(self, other: Self) -> Self {
         vector(self.x - other.x, self.y - other.y, self.z - other.z)
     }
@@ -96,6 +102,7 @@ impl<T: Number> Sub for Vector<T> {
 impl<T: Number> Neg for Vector<T> {
     type Output = Self;
 
+    #[inline]
     fn neg(self) -> Self {
         vector(-self.x, -self.y, -self.z)
     }
@@ -104,6 +111,7 @@ impl<T: Number> Neg for Vector<T> {
 impl<T: Number> Mul<T> for Vector<T> {
     type Output = Self;
 
+    #[inline]
     fn mul(self, factor: T) -> Self {
         vector(self.x * factor, self.y * factor, self.z * factor)
     }
@@ -147,6 +155,16 @@ impl<T: Number> Turn<T> {
     /// A vector of the frame in local axes.
     pub(super) fn back(self, v: Vector<T>) -> Vector<T> {
         vector(self.axes[0].dot(v), self.axes[1].dot(v), self.axes[2].dot(v))
+    }
+
+    /// By where it takes the axes.
+    pub(super) fn from_axes(axes: [Vector<T>; 3]) -> Self {
+        Self { axes }
+    }
+
+    /// This rotation after another.
+    pub(super) fn after(self, first: Self) -> Self {
+        Self { axes: first.axes.map(|axis| self.out(axis)) }
     }
 
     pub(super) fn axis(self, index: usize) -> Vector<T> {

@@ -8,11 +8,13 @@
 use glam::DVec3;
 
 use super::{
-    apart,
+    apart::{self, Needed},
     double::{Double, Number},
-    form::PlacedSolid,
+    form::{PlacedSolid, Solid},
     frame::Pair,
-    inside, plane, polytope,
+    inside,
+    place::Place,
+    plane, polytope,
     space::{Vector, times_power_of_two},
 };
 
@@ -43,15 +45,21 @@ impl Truth {
     /// The signed distance of two placed forms. `hints` are unit vectors from `a` to `b` to look along as well.
     #[must_use]
     pub fn of(a: &PlacedSolid, b: &PlacedSolid, hints: &[DVec3]) -> Self {
-        let pair = Pair::new(a, b);
-        if let Some((gap, normal)) = plane::signed_distance(a, b, &pair) {
+        Self::at([(&a.solid, &Place::of(a)), (&b.solid, &Place::of(b))], Double::default(), hints)
+    }
+
+    /// The same of forms in motion, at a time of it.
+    #[must_use]
+    pub fn at(sides: [(&Solid, &Place); 2], time: Double, hints: &[DVec3]) -> Self {
+        let pair = Pair::at(sides, time);
+        if let Some((gap, normal)) = plane::signed_distance(sides[0].0, sides[1].0, &pair) {
             return Self { is_only_normal: true, ..Self::new(pair, [gap; 3], normal) };
         }
         if let Some((gap, normal)) = polytope::signed_distance(&pair) {
             return Self::new(pair, [gap; 3], normal);
         }
-        let apart = apart::distance(&pair);
-        if apart.lower.nearest() > ROUNDING {
+        let apart = apart::distance(&pair, Needed::All);
+        if apart.lower.nearest() > ROUNDING || pair.has_many_corners() {
             return Self::new(pair, [apart.lower, apart.upper, apart.upper], apart.normal);
         }
         let hints: Vec<Vector<f64>> = hints.iter().filter_map(|&hint| Vector::of(hint).unit()).collect();
@@ -100,6 +108,13 @@ impl Truth {
     #[must_use]
     pub fn nearest(&self) -> f64 {
         times_power_of_two(self.lower.nearest(), -self.pair.exponent)
+    }
+
+    /// Bounds of the signed distance, metres, rounded outwards.
+    #[must_use]
+    pub fn bounds(&self) -> [f64; 2] {
+        let metres = |value: Double| times_power_of_two(value.nearest(), -self.pair.exponent);
+        [metres(self.lower).next_down(), metres(self.upper).next_up()]
     }
 
     /// How far the bounds are apart that are trusted, metres.

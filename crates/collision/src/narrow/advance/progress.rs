@@ -131,6 +131,8 @@ impl Progress {
         let time = self.free.instant.time;
         let touch = time + self.predicted();
         let fraction = if touch <= overlap { touch } else { 0.5 * (time + overlap) };
+        // What rounding leaves in doubt is as wide as it is, whatever was asked.
+        let stop = if self.doubt.is_some() && stop == Stop::Tolerance { Stop::Converged } else { stop };
         touch_at(&self.free, fraction, Bound::new(lower, overlap), Verdict::Hit, stop)
     }
 

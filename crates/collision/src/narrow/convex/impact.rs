@@ -237,7 +237,10 @@ impl<'a> Search<'a> {
         let rest = overlapping::at_rest(a, b, self.budget);
         self.iterations = self.iterations.saturating_add(rest.iterations);
         if rest.verdict != Verdict::Miss && initial == InitialTouch::IsIgnored {
-            return None;
+            // Unless rounding leaves it open, nobody knows yet whether there is a touch to pass over.
+            let is_spent = rest.verdict == Verdict::Undecided && rest.iterations >= self.budget;
+            let open = || self.touch_at(&gap.simplex, normal, Bound::new(0.0, 1.0), Verdict::Undecided, Stop::Budget);
+            return is_spent.then(|| Touch { fraction: 0.0, ..open() });
         }
         if rest.verdict == Verdict::Hit {
             return Some(Touch {

@@ -133,6 +133,11 @@ impl Nearest {
             a.distance.total_cmp(&b.distance).then_with(|| pieces(a).cmp(&pieces(b)))
         });
         let mut merged = *winner?;
+        // What may be nearer than the winner is why the interval is as wide as it is.
+        if lower < merged.certificate.bound.lower {
+            let nearest = self.candidates.iter().find(|found| found.certificate.bound.lower == lower);
+            merged.certificate.stop = nearest.map_or(Stop::Converged, |found| found.certificate.stop);
+        }
         merged.certificate.bound = Bound::new(lower, upper);
         merged.certificate.verdict = if upper <= self.asked { Verdict::Hit } else { Verdict::Undecided };
         merged.distance = merged.distance.clamp(lower, upper);

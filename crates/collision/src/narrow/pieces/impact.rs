@@ -208,6 +208,12 @@ impl First {
             a.touch.fraction.total_cmp(&b.touch.fraction).then_with(|| pieces(a).cmp(&pieces(b)))
         });
         let mut winner = *winner?;
+        // What leaves open a time before the winner's is why the interval is as wide as it is.
+        if lower < winner.touch.certificate.bound.lower {
+            let is_first = |touch: &&ImpactTouch| touch.certificate.bound.lower == lower;
+            winner.touch.certificate.stop =
+                touches().find(is_first).map_or(winner.touch.certificate.stop, |touch| touch.certificate.stop);
+        }
         winner.touch.certificate.bound = Bound::new(lower, upper);
         winner.touch.fraction = winner.touch.fraction.clamp(lower, upper);
         Some(winner)

@@ -1,4 +1,4 @@
-//! Whether a form lies inside a solid mesh, off its surface.
+//! Whether a form lies inside a solid mesh, off its surface, or comes to do so in a terrain.
 //!
 //! # Method
 //! Of a form that the surface does not cross, one point tells for all of it; of a mesh, one vertex of each of its connected
@@ -9,12 +9,12 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::{Concave, Piece, Side};
+use super::{Concave, Piece, Side, matter::Met};
 use crate::{
     answer::Work,
     math::{Pose, exact::exact_difference},
     narrow::{Motion, Placed, place::Place},
-    shape::{Containment, Convex, Core, Hull, Mesh, MeshMode},
+    shape::{Containment, Convex, Core, Hull, Mesh, MeshMode, Standing},
     tolerance::RELATIVE_POSE,
 };
 
@@ -53,7 +53,7 @@ pub(super) fn instant_held<'a>(
     time: f64,
     work: &mut Work,
 ) -> Option<f64> {
-    let at_home = |placed: Placed<'_>| solid_of(&Side::of(placed.geometry, Place::of(placed.pose), None)).is_some();
+    let at_home = |placed: Placed<'_>| has_matter(&Side::of(placed.geometry, Place::of(placed.pose), None));
     if !at_home(a) && !at_home(b) {
         return None;
     }
@@ -70,12 +70,24 @@ pub(super) fn instant_held<'a>(
             Side::of(placed.geometry, Place { pose, blur, arm: DVec3::ZERO }, None)
         };
         let (moved, stood) = (at(a, apart + way * instant, motion.rotation_a), at(b, DVec3::ZERO, motion.rotation_b));
-        if let Held::Surely(_) = held(&moved, &stood, work) {
+        let is_held = matches!(held(&moved, &stood, work), Held::Surely(_));
+        if is_held || lies_in_matter(&moved, &stood, work) || lies_in_matter(&stood, &moved, work) {
             return Some(instant);
         }
         ahead *= 4.0;
     }
     None
+}
+
+/// Whether points of another form may tell that it is in this one.
+fn has_matter(side: &Side<'_>) -> bool {
+    solid_of(side).is_some() || matches!(side, Side::Concave(concave) if concave.has_inside())
+}
+
+/// Whether a point of the first form surely lies in the matter of a terrain, the second.
+fn lies_in_matter(form: &Side<'_>, terrain: &Side<'_>, work: &mut Work) -> bool {
+    let Side::Concave(terrain) = terrain else { return false };
+    matches!(Met::of_pair(terrain, form, work), Some(met) if matches!(met.standing, Standing::Inside(_)))
 }
 
 /// Where the middle of a convex form lies as to a solid mesh.

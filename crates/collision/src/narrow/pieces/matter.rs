@@ -145,10 +145,30 @@ impl Piece<'_> {
     }
 }
 
+/// What becomes of a gap between a form and a piece of skin that looks away from it.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum AcrossGaps {
+    /// The form is not in the matter: around the corner another piece is nearer.
+    LeaveOut,
+    /// The form is in the matter, so it is pushed out.
+    PushOut,
+}
+
 /// The contact of a form with a piece of skin, given that along the shortest way: one that leads out of the matter.
-pub(super) fn out_of(form: &Piece<'_>, skin: &Piece<'_>, found: Contact, work: &mut Work) -> Option<Contact> {
+pub(super) fn out_of(
+    form: &Piece<'_>,
+    skin: &Piece<'_>,
+    found: Contact,
+    across_gaps: AcrossGaps,
+    work: &mut Work,
+) -> Option<Contact> {
     let is_outward = skin.outward().is_none_or(|outward| found.normal_b_to_a.dot(outward) >= 0.0);
-    if is_outward { Some(found) } else { below(form, skin, work) }
+    let is_gap = found.certificate.verdict == Verdict::Miss;
+    match (is_outward, is_gap, across_gaps) {
+        (true, ..) => Some(found),
+        (false, true, AcrossGaps::LeaveOut) => None,
+        (false, ..) => below(form, skin, work),
+    }
 }
 
 /// The contact of a form with the matter below the plane of a piece of skin.

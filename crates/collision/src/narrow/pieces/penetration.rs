@@ -7,7 +7,7 @@ use super::{
     concave::Concave,
     facet,
     inside::{Held, middle_held},
-    matter::{self, Met},
+    matter::{self, AcrossGaps, Met},
     next, overlap,
     rod::Rod,
 };
@@ -37,8 +37,14 @@ pub(in crate::narrow) fn penetration(
     {
         return by_parts(a, b, max_gap, accuracy, work);
     }
-    let mut found =
-        Touching { contacts: Contacts::new(), max_gap, accuracy, is_deep: false, is_touched_from_back: false };
+    let mut found = Touching {
+        contacts: Contacts::new(),
+        max_gap,
+        accuracy,
+        is_deep: false,
+        is_touched_from_back: false,
+        across_gaps: AcrossGaps::LeaveOut,
+    };
     found.search(&first, &second, work);
     if found.is_deep {
         return by_parts(a, b, max_gap, accuracy, work);
@@ -96,6 +102,8 @@ struct Touching<'a> {
     is_deep: bool,
     /// Some triangle of the form that is being asked is touched, but not from its front.
     is_touched_from_back: bool,
+    /// How the form that is being asked about stands to matter that it may be in without a touch.
+    across_gaps: AcrossGaps,
 }
 
 impl Touching<'_> {
@@ -148,6 +156,11 @@ impl Touching<'_> {
     /// Before the pieces of a concave form are asked.
     fn begin(&mut self, concave: &Concave<'_>, other: &Side<'_>, work: &mut Work) {
         self.is_touched_from_back = false;
+        if self.max_gap > 0.0 {
+            let is_in =
+                matches!(Met::of_pair(concave, other, work), Some(met) if matches!(met.standing, Standing::Inside(_)));
+            self.across_gaps = if is_in { AcrossGaps::PushOut } else { AcrossGaps::LeaveOut };
+        }
         if let Side::Convex(piece) = other {
             self.is_deep |= middle_held(piece, concave, work) != Held::No;
         }
@@ -165,8 +178,8 @@ impl Touching<'_> {
         self.is_touched_from_back |= felt.is_from_back;
         let found = Contact { feature_a: a.feature, feature_b: b.feature, ..felt.contact? };
         match (a.skin, b.skin) {
-            (_, true) => matter::out_of(a, b, found, work),
-            (true, false) => matter::out_of(b, a, found.swapped(), work).map(Contact::swapped),
+            (_, true) => matter::out_of(a, b, found, self.across_gaps, work),
+            (true, false) => matter::out_of(b, a, found.swapped(), self.across_gaps, work).map(Contact::swapped),
             (false, false) => Some(found),
         }
     }

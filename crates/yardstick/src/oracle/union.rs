@@ -1,0 +1,116 @@
+//! A form as the union of convex pieces, and the least signed distance of two of them.
+//!
+//! # Method
+//! Every pair of pieces whose balls are not farther apart than the best so far is asked; all pairs, no tree.
+//!
+//! # Limits
+//! The least signed distance of pieces is that of the forms where those are apart. Of forms that overlap it only tells that
+//! they do.
+
+use glam::DVec3;
+
+use super::{double::Double, form::Solid, place::Place, truth::Truth, winding::winding_number};
+
+/// A convex piece, with a ball around it.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// The form.
+    pub solid: Solid,
+    /// Where it is in the whole, if not at its origin.
+    pub part: Option<(DVec3, glam::DQuat)>,
+}
+
+/// Convex pieces, and the surface that winds around matter if there is any.
+#[derive(Clone, Debug, Default)]
+pub struct Union {
+    /// The pieces.
+    pub pieces: Vec<Piece>,
+    /// The triangles of solid meshes: what they wind around is in the form.
+    pub walls: Vec<[DVec3; 3]>,
+}
+
+impl Piece {
+    /// The middle of a ball around it, in the whole's frame, and its radius, metres; roughly. A half space has none.
+    fn ball(&self) -> (DVec3, f64) {
+        let (position, rotation) = self.part.unwrap_or((DVec3::ZERO, glam::DQuat::IDENTITY));
+        match &self.solid.core {
+            super::Core::Hull(points) => {
+                let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+                let radius = points.iter().map(|point| point.distance(middle)).fold(0.0, f64::max);
+                (position + rotation.normalize() * middle, radius + self.solid.radius)
+            }
+            super::Core::HalfSpace { .. } => (position, f64::INFINITY),
+            _ => (position, self.solid.reach()),
+        }
+    }
+
+    /// The place of the piece, of a whole that is at another.
+    #[must_use]
+    pub fn place(&self, whole: &Place) -> Place {
+        Place { part: self.part, ..*whole }
+    }
+}
+
+impl Union {
+    /// One convex piece.
+    #[must_use]
+    pub fn of(solid: Solid) -> Self {
+        Self { pieces: vec![Piece { solid, part: None }], walls: Vec::new() }
+    }
+
+    /// The least signed distance of two pieces at the start, and which they are.
+    #[must_use]
+    pub fn nearest(a: (&Self, &Place), b: (&Self, &Place)) -> Option<(Truth, [usize; 2])> {
+        let balls = |(form, place): (&Self, &Place)| -> Vec<(DVec3, f64)> {
+            let turn = place.rotation.normalize();
+            form.pieces.iter().map(|piece| piece.ball()).map(|(middle, radius)| (turn * middle, radius)).collect()
+        };
+        let (of_a, of_b) = (balls(a), balls(b));
+        let apart = b.1.position - a.1.position;
+        let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+        for (i, (middle_a, radius_a)) in of_a.iter().enumerate() {
+            for (j, (middle_b, radius_b)) in of_b.iter().enumerate() {
+                let way = apart + *middle_b - *middle_a;
+                let reach = radius_a + radius_b;
+                // Rounding of positions far off and of the products above.
+                let slack = 1e-12 * (way.length() + apart.length() + middle_a.length() + middle_b.length() + reach);
+                let least = if reach.is_finite() { way.length() - reach - slack } else { f64::NEG_INFINITY };
+                pairs.push((least, i, j));
+            }
+        }
+        pairs.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let mut best: Option<(Truth, [usize; 2])> = None;
+        for (least, i, j) in pairs {
+            if best.as_ref().is_some_and(|(truth, _)| least > truth.nearest()) {
+                break;
+            }
+            let (one, other) = (&a.0.pieces[i], &b.0.pieces[j]);
+            let sides = [(&one.solid, &one.place(a.1)), (&other.solid, &other.place(b.1))];
+            let truth = Truth::at(sides, Double::default(), &[]);
+            if best.as_ref().is_none_or(|(known, _)| truth.nearest() < known.nearest()) {
+                best = Some((truth, [i, j]));
+            }
+        }
+        best
+    }
+
+    /// Whether the walls wind around a point of the world; only of points that are off them.
+    #[must_use]
+    pub fn winds_around(&self, place: &Place, point: DVec3) -> bool {
+        let local = place.rotation.normalize().inverse() * (point - place.position);
+        !self.walls.is_empty() && winding_number(&self.walls, local) != 0
+    }
+
+    /// Some point of the form, in the world, in f64.
+    #[must_use]
+    pub fn some_point(&self, place: &Place) -> Option<DVec3> {
+        let piece = self.pieces.first()?;
+        let (position, rotation) = piece.part.unwrap_or((DVec3::ZERO, glam::DQuat::IDENTITY));
+        let local = match &piece.solid.core {
+            super::Core::Hull(points) => *points.first()?,
+            super::Core::HalfSpace { .. } => return None,
+            _ => DVec3::ZERO,
+        };
+        Some(place.position + place.rotation.normalize() * (position + rotation.normalize() * local))
+    }
+}
