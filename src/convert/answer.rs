@@ -165,7 +165,7 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
 fn ray_hit(hit: &RayHit) -> Checked<pb::RayHit> {
     let touch = &hit.touch;
     Ok(pb::RayHit {
-        id: hit.id.get(),
+        id: id_or_none(hit.id),
         distance: Some(number_out(touch.distance)?),
         point: Some(vec3_out(touch.point)?),
         normal: touch.normal.map(vec3_out).transpose()?,

@@ -36,7 +36,7 @@ impl InColumns for RayHit {
         let touch = &self.touch;
         Parts {
             verdict: touch.certificate.verdict,
-            id: self.id.get(),
+            id: id_or_none(self.id),
             value: touch.distance,
             point: touch.point,
             normal: touch.normal,

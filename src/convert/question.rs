@@ -271,7 +271,11 @@ pub(crate) fn half_space_subject(field: &'static str) -> Problem {
     Problem::at(field, Reason::BadGeometry, what)
 }
 
-pub(super) fn against(sent: Option<&pb::Subject>, known: &Geometries) -> Checked<Option<Subject>> {
+/// What a question is asked against, if it names that.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn against(sent: Option<&pb::Subject>, known: &Geometries) -> Checked<Option<Subject>> {
     sent.map(|sent| some_subject(sent, known).under("against")).transpose()
 }
 

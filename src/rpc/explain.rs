@@ -147,7 +147,8 @@ fn answered(answer: Checked<Kind>) -> pb::Answer {
 /// What a question is about, and against.
 fn subjects(question: &pb::Question) -> impl Iterator<Item = &pb::Subject> {
     let [subject, against] = match &question.question {
-        Some(Asked::Raycast(_) | Asked::FirstTouch(_)) | None => [None, None],
+        Some(Asked::FirstTouch(_)) | None => [None, None],
+        Some(Asked::Raycast(it)) => [None, it.against.as_ref()],
         Some(Asked::Overlap(it)) => [it.subject.as_ref(), it.against.as_ref()],
         Some(Asked::Penetration(it)) => [it.subject.as_ref(), it.against.as_ref()],
         Some(Asked::TimeOfImpact(it)) => [it.subject.as_ref(), it.against.as_ref()],

@@ -15,7 +15,10 @@ use crate::{
 pub(super) fn answer(sent: &pb::RaycastRequest, scene: &Scene) -> Checked<pb::RaycastResponse> {
     let question = asked::raycast(sent)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (hits, account) =
-        scene.ask(&terms, |meter| scene.snapshot.raycast(&question, &terms.filter, &terms.accuracy, meter))?;
+    let against = asked::against(sent.against.as_ref(), &scene.session.geometries)?;
+    let (hits, account) = scene.ask(&terms, |meter| match &against {
+        None => scene.snapshot.raycast(&question, &terms.filter, &terms.accuracy, meter),
+        Some(against) => scene.snapshot.raycast_against(&question, against, &terms.accuracy, meter),
+    })?;
     Ok(pb::RaycastResponse { info: scene.info(&terms, account), ..found::raycast(&hits)? })
 }

@@ -12,6 +12,7 @@ mod compounds;
 mod depenetrate;
 mod edit_stream;
 mod edits;
+mod exclusions;
 mod explain;
 mod exports;
 mod first_touch;

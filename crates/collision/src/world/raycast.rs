@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::{
-    Filter, Found, HitMode, Meter, QuestionError, ShapeId, Snapshot,
+    Filter, Found, HitMode, Meter, QuestionError, ShapeId, Snapshot, Subject,
     filter::Sieve,
     hits::{Gathered, Hit, raise},
     notes::Note,
+    search::Side,
 };
 use crate::{
     accuracy::Accuracy,
@@ -29,8 +30,8 @@ pub struct Raycast {
 /// Where a ray hits a shape.
 #[derive(Clone, Debug)]
 pub struct RayHit {
-    /// The shape.
-    pub id: ShapeId,
+    /// The shape; `None` if it is a geometry given in `against`.
+    pub id: Option<ShapeId>,
     /// The shape's.
     pub user_data: u64,
     /// It blocks nothing: see [`HitMode::Pierce`].
@@ -45,7 +46,7 @@ impl Hit for RayHit {
     }
 
     fn id(&self) -> Option<ShapeId> {
-        Some(self.id)
+        self.id
     }
 
     fn certificate(&self) -> &Certificate {
@@ -95,7 +96,56 @@ fn power_of_two_towards_one(value: f64) -> f64 {
     }
 }
 
+impl Raycast {
+    /// What the ray hits of one side, which it does not enter before `least` metres.
+    #[inline]
+    fn look(
+        &self,
+        aim: &Aim,
+        other: &Side<'_>,
+        least: f64,
+        accuracy: &Accuracy,
+        meter: &mut Meter<'_>,
+        gathered: &mut Gathered<RayHit>,
+    ) {
+        let touches = narrow::raycast_of(aim, other.operand(), accuracy, &mut meter.work);
+        meter.note(|| {
+            let first = touches.certain.or(touches.undecided);
+            Note::of([None, other.id()], first.map(|touch| touch.certificate))
+        });
+        let hit = |mut touch: RayTouch| {
+            raise(&mut touch.distance, &mut touch.certificate, least);
+            RayHit { id: other.id(), user_data: other.user_data(), pierced: self.mode.pierces(other), touch }
+        };
+        // Most shapes are missed, and what is moved is large.
+        if touches.certain.is_some() || touches.undecided.is_some() {
+            gathered.add(touches.certain.map(hit), touches.undecided.map(hit));
+        }
+    }
+}
+
 impl Snapshot {
+    /// What a ray hits of one shape or geometry alone, whatever a filter would say of it.
+    ///
+    /// # Errors
+    /// A shape that is not there, [`QuestionError::Interrupted`].
+    pub fn raycast_against(
+        &self,
+        question: &Raycast,
+        against: &Subject,
+        accuracy: &Accuracy,
+        meter: &mut Meter<'_>,
+    ) -> Result<Found<RayHit>, QuestionError> {
+        let mut gathered = Gathered::new(question.mode);
+        if let Some(other) = self.against(Some(against))?
+            && let Some(least) = Track::new(&question.ray).entry(other.bounds, question.ray.max_distance)
+        {
+            meter.look()?;
+            question.look(&Aim::new(&question.ray), &other, least, accuracy, meter, &mut gathered);
+        }
+        Ok(gathered.finish())
+    }
+
     /// What a ray hits.
     ///
     /// # Errors
@@ -124,23 +174,10 @@ impl Snapshot {
         self.along(&track.line, track.limit(ray.max_distance), sieve.layers_seen(), meter, |meter, other| {
             let limit = gathered.limit().min(ray.max_distance);
             if let Some(least) = track.entry(other.bounds, limit)
-                && let Some(id) = other.id()
                 && sieve.passes(&other)
             {
                 meter.look()?;
-                let touches = narrow::raycast_of(&aim, other.operand(), accuracy, &mut meter.work);
-                meter.note(|| {
-                    let first = touches.certain.or(touches.undecided);
-                    Note::of([None, Some(id)], first.map(|touch| touch.certificate))
-                });
-                let hit = |mut touch: RayTouch| {
-                    raise(&mut touch.distance, &mut touch.certificate, least);
-                    RayHit { id, user_data: other.user_data(), pierced: question.mode.pierces(&other), touch }
-                };
-                // Most shapes are missed, and what is moved is large.
-                if touches.certain.is_some() || touches.undecided.is_some() {
-                    gathered.add(touches.certain.map(hit), touches.undecided.map(hit));
-                }
+                question.look(&aim, &other, least, accuracy, meter, &mut gathered);
             }
             Ok(track.limit(gathered.limit()))
         })?;

@@ -216,6 +216,6 @@ fn what_is_behind_a_wall_costs_nothing() {
     let mut go_on = || true;
     let mut meter = Meter::new(&mut go_on);
     let found = snapshot.raycast(&question, &Filter::default(), &Accuracy::default(), &mut meter).expect("an answer");
-    assert_eq!(found.hits.first().map(|hit| hit.id), Some(id(1)));
+    assert_eq!(found.hits.first().map(|hit| hit.id), Some(Some(id(1))));
     assert!(meter.work.nodes_visited <= 2 && meter.work.shapes_tested == 1, "{:?}", meter.work);
 }

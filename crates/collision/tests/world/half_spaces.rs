@@ -43,7 +43,7 @@ fn work(snapshot: &Snapshot) -> Work {
     assert_eq!(overlap.expect("an answer").verdict, Verdict::Miss);
     let down = Raycast { ray: ray(DVec3::new(9.0, 30.0, 9.0), -DVec3::Y), mode: HitMode::Closest };
     let hit = snapshot.raycast(&down, &filter, &accuracy, &mut meter).expect("an answer");
-    assert_eq!(hit.hits.first().map(|hit| (hit.id, hit.touch.distance)), Some((id(2000), 31.0)));
+    assert_eq!(hit.hits.first().map(|hit| (hit.id, hit.touch.distance)), Some((Some(id(2000)), 31.0)));
     meter.work
 }
 

@@ -28,7 +28,7 @@ struct Touch {
 fn of_ray(hit: &RayHit) -> Touch {
     let (value, certificate) = (hit.touch.distance, hit.touch.certificate);
     let (verdict, bound) = (certificate.verdict, certificate.bound);
-    Touch { value, id: hit.id.get(), verdict, bound, pierced: hit.pierced }
+    Touch { value, id: hit.id.expect("a shape").get(), verdict, bound, pierced: hit.pierced }
 }
 
 fn of_impact(hit: &Impact) -> Touch {
@@ -125,6 +125,10 @@ fn what_pierces_is_answered_as_all_hits_up_to_the_first_blocker() {
     assert!(some(blocked) && some(went_through) && some(cut_short), "{blocked} {went_through} {cut_short} of {asked}");
 }
 
+fn number(hit: &RayHit) -> u64 {
+    hit.id.expect("a shape").get()
+}
+
 fn through(world: &Snapshot, layers: u32) -> Found<RayHit> {
     let question = Raycast { ray: ray(DVec3::X * -5.0, DVec3::X), mode: HitMode::Pierce { layers, most: 9 } };
     world
@@ -150,11 +154,11 @@ fn glass_and_wall() -> Vec<Shape> {
 fn a_shot_goes_through_glass_to_the_wall() {
     let world = world_of(glass_and_wall()).newest();
     let found = through(&world, 0b10);
-    let list: Vec<_> = found.hits.iter().map(|hit| (hit.id.get(), hit.touch.distance, hit.pierced)).collect();
+    let list: Vec<_> = found.hits.iter().map(|hit| (number(hit), hit.touch.distance, hit.pierced)).collect();
     assert_eq!(list, [(1, 4.5, true), (2, 6.5, true), (3, 8.5, true), (4, 10.5, false)]);
     assert_eq!(found.verdict, Verdict::Hit);
     let first = through(&world, 0);
-    assert_eq!((first.hits.len(), first.hits[0].id, first.hits[0].pierced), (1, id(1), false));
+    assert_eq!((first.hits.len(), first.hits[0].id, first.hits[0].pierced), (1, Some(id(1)), false));
     // Where everything is pierced nothing blocks, and the verdict says so.
     let free = through(&world, u32::MAX);
     assert_eq!((free.verdict, free.hits.len()), (Verdict::Miss, 5));
@@ -170,7 +174,7 @@ fn what_stands_where_the_blocker_begins_is_not_behind_it() {
         Shape { layers: 2, ..shape(3, pane, Pose::at(DVec3::X * -0.25)) },
     ];
     let found = through(&world_of(shapes).newest(), 2);
-    assert_eq!(found.hits.iter().map(|hit| hit.id.get()).collect::<Vec<_>>(), [2, 1], "{found:?}");
+    assert_eq!(found.hits.iter().map(number).collect::<Vec<_>>(), [2, 1], "{found:?}");
 }
 
 #[test]

@@ -16,7 +16,9 @@ use collision::{
 };
 
 use crate::random::Random;
-use crate::scene::{Frame, Question, half_spaces, id, random_filter, random_questions, random_shapes, shape, world_of};
+use crate::scene::{
+    Frame, Question, half_spaces, id, random_filter, random_questions, random_shapes, ray, shape, world_of,
+};
 
 const ACCURACY: Accuracy = Accuracy::of(collision::accuracy::Tier::Standard);
 
@@ -212,7 +214,9 @@ fn compare(snapshot: &Snapshot, brute: &mut Brute<'_>, question: &Question) -> V
         Question::Raycast(raycast) => {
             let found = snapshot.raycast(raycast, filter, &ACCURACY, meter).expect("an answer");
             let expected = brute.rays(raycast);
-            let value = |hit: &collision::world::RayHit| ((hit.touch.distance, hit.id), hit.touch.certificate);
+            let value = |hit: &collision::world::RayHit| {
+                ((hit.touch.distance, hit.id.expect("a shape")), hit.touch.certificate)
+            };
             assert_mode(&found, value, expected, raycast.mode, length, question);
             found.verdict
         }
@@ -324,4 +328,29 @@ fn a_shape_that_is_not_there_is_named() {
     assert_eq!(ask(&gone, &there), Err(QuestionError::SubjectNotFound(id(77))));
     assert_eq!(ask(&there, &gone), Err(QuestionError::AgainstNotFound(id(77))));
     assert_eq!(ask(&there, &there), Ok(Verdict::Hit), "a pair that is named is asked, be it a shape and itself");
+}
+
+/// A ray against one shape is what the ray says of it in a world of that shape alone.
+#[test]
+fn a_ray_against_one_is_a_ray_in_a_world_of_that_one() {
+    let mut random = Random::new(12);
+    let (mut hits, mut asked) = (0, 0);
+    for _ in 0..20 {
+        let shapes = random_shapes(&mut random, Frame::UNIT, 12);
+        let world = world_of(shapes.clone()).newest();
+        for one in shapes {
+            let against = Subject::Shape { id: one.id, pose: None };
+            let origin = random.vector() * 8.0;
+            let towards = one.pose.position + random.vector() * 1.2 - origin;
+            let question = Raycast { ray: ray(origin, towards), mode: HitMode::Closest };
+            let mut go_on = || true;
+            let meter = &mut Meter::new(&mut go_on);
+            let found = world.raycast_against(&question, &against, &ACCURACY, meter).expect("an answer");
+            let alone = world_of([one]).newest().raycast(&question, &Filter::default(), &ACCURACY, meter);
+            assert_eq!(format!("{found:?}"), format!("{:?}", alone.expect("an answer")));
+            asked += 1;
+            hits += usize::from(found.verdict == Verdict::Hit);
+        }
+    }
+    assert!(hits * 10 > asked * 3 && hits * 10 < asked * 9, "vacuous: {hits} of {asked}");
 }

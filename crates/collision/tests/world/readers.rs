@@ -80,7 +80,7 @@ fn assert_whole(snapshot: &Snapshot, pair: u64) {
     let question = Raycast { ray: ray(above, -DVec3::Y), mode: HitMode::All(usize::MAX) };
     let found = snapshot.raycast(&question, &filter, &accuracy, meter).expect("an answer");
     for (id, distance) in [(first, 9.5), (second, 0.0)] {
-        let hit = found.hits.iter().find(|hit| hit.id == id).expect("the ray goes through both");
+        let hit = found.hits.iter().find(|hit| hit.id == Some(id)).expect("the ray goes through both");
         assert!((hit.touch.distance - distance).abs() < 1e-9, "{hit:?}");
     }
     let question = Distance {

@@ -265,12 +265,10 @@ impl Brute {
             kernel.insert(shape.id, [touches.certain.map(touch), touches.undecided.map(touch)]);
         }
         let hits = |found: &Found<collision::world::RayHit>| -> Vec<Hit> {
-            let hit = |hit: &collision::world::RayHit| Hit {
-                value: hit.touch.distance,
-                id: hit.id,
-                certificate: hit.touch.certificate,
+            let hit = |hit: &collision::world::RayHit| {
+                Some(Hit { value: hit.touch.distance, id: hit.id?, certificate: hit.touch.certificate })
             };
-            found.hits.iter().map(hit).collect()
+            found.hits.iter().filter_map(hit).collect()
         };
         let all = Raycast { mode: HitMode::All(usize::MAX), ..asked.clone() };
         let all = version.raycast(&all, filter, &ACCURACY, &mut Meter::new(&mut || true)).expect("nobody interrupts");
