@@ -14,7 +14,7 @@ const PROTO_FILES: [&str; 5] = [
 ];
 
 /// The messages that are written out in `src/columns.rs`.
-const COLUMN_MESSAGES: [&str; 15] = [
+const COLUMN_MESSAGES: [&str; 17] = [
     "PoseColumns",
     "PairColumns",
     "ConvexHull",
@@ -30,6 +30,8 @@ const COLUMN_MESSAGES: [&str; 15] = [
     "OverlapBatchRequest",
     "OverlapBatchResponse",
     "DistanceBatchRequest",
+    "LineOfSightRequest",
+    "LineOfSightResponse",
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {

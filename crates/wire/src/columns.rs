@@ -155,6 +155,26 @@ messages! {
         5 want: Nested<v1::ColumnChoice>,
         6 options: Nested<v1::QueryOptions>,
     }
+    LineOfSightRequest {
+        1 session: Text,
+        2 frame_origin: Nested<v1::Vec3>,
+        3 eyes: Floats,
+        4 points: Floats,
+        5 offsets: Fixed32s,
+        6 max_distances: Floats,
+        7 eye_ids: Fixed64s,
+        8 target_ids: Fixed64s,
+        9 enough: Count,
+        10 want_points: Flag,
+        11 options: Nested<v1::QueryOptions>,
+    }
+    LineOfSightResponse {
+        1 visible: Fixed32s,
+        2 hidden: Fixed32s,
+        3 undecided: Fixed32s,
+        4 points: Choices,
+        5 info: Nested<v1::AnswerInfo>,
+    }
 }
 
 #[cfg(test)]
@@ -251,7 +271,9 @@ mod tests {
         RaycastBatchRequest,
         OverlapBatchRequest,
         OverlapBatchResponse,
-        DistanceBatchRequest
+        DistanceBatchRequest,
+        LineOfSightRequest,
+        LineOfSightResponse
     );
 
     #[test]
@@ -296,7 +318,8 @@ mod tests {
     }
 
     /// Lists of numbers that are short by their nature stay with prost.
-    const SHORT_LISTS: [&str; 4] = ["Filter", "NodeColumns", "WatchOverlapsRequest", "WatchWorldResponse"];
+    const SHORT_LISTS: [&str; 5] =
+        ["DepenetrateResponse", "Filter", "NodeColumns", "WatchOverlapsRequest", "WatchWorldResponse"];
 
     #[test]
     fn every_message_with_columns_is_written_out_here() {
