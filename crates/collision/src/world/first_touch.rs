@@ -17,6 +17,7 @@ use super::{
     Filter, Found, HitMode, Impact, Meter, Moment, QuestionError, ShapeId, Snapshot, Subject, Tick,
     filter::Sieve,
     hits::{Gathered, Hit, raise},
+    notes::Note,
     search::Side,
     sweeps::Moving,
 };
@@ -219,7 +220,9 @@ fn touch(
         initial: InitialTouch::Counts,
     };
     let (a, b) = (subject.side.placed, other.side.placed);
-    let mut touch = narrow::impact(a, b, &motion, accuracy, &mut meter.work)?;
+    let found = narrow::impact(a, b, &motion, accuracy, &mut meter.work);
+    meter.note(|| Note::of([subject.side.id(), other.side.id()], found.map(|touch| touch.certificate)));
+    let mut touch = found?;
     raise(&mut touch.fraction, &mut touch.certificate, least);
     if touch.certificate.bound.lower >= 1.0 {
         return None;
