@@ -166,7 +166,7 @@ fn answer(kept: &proto::Answer) -> String {
             (it.verdict(), lines, false)
         }
         Answer::FirstTouch(it) => {
-            let impact = |hit: &proto::PastTouch| hit.impact.clone().unwrap_or_default();
+            let impact = |hit: &proto::PastTouch| hit.impact.unwrap_or_default();
             let hits = hits(&it.hits, |hit| (impact(hit).id, impact(hit).fraction, impact(hit).certificate));
             (it.verdict(), hits, it.truncated)
         }
