@@ -4,8 +4,8 @@ use collision::{
     answer::{Bound, Certificate, Feature, Method, Representation, Stop, Verdict, Work},
     narrow::ContactPoint,
     world::{
-        Contact, Found, Impact, Neighbor, OverlapHit, PAIRS_MAX, Pair, QuestionError, RayHit, ShapeId, SweepHit, Swept,
-        Tick,
+        Contact, Found, Impact, Neighbor, OverlapHit, PAIRS_MAX, Pair, PairChanges, QuestionError, RayHit, ShapeId,
+        SweepHit, Swept, Tick,
     },
 };
 use wire::v1 as pb;
@@ -100,15 +100,36 @@ pub(crate) fn sweep_hits(swept: &Swept) -> Checked<Vec<pb::SweepHit>> {
     swept.hits.iter().map(hit).collect()
 }
 
+/// A pair of a list, and what became of it if that was asked.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ListedPair {
+    /// The pair.
+    pub(crate) pair: Pair,
+    /// What became of it.
+    pub(crate) change: Option<pb::PairChange>,
+}
+
+/// Which pairs changed and how, ascending by ids.
+pub(crate) fn pair_changes(changes: &PairChanges) -> Vec<ListedPair> {
+    let listed = |change| move |pair: &Pair| ListedPair { pair: *pair, change: Some(change) };
+    let persisted = changes.persisted.iter().map(|persisted| &persisted.pair);
+    let mut all: Vec<ListedPair> = changes.began.iter().map(listed(pb::PairChange::Began)).collect();
+    all.extend(persisted.map(listed(pb::PairChange::Persisted)));
+    all.extend(changes.ended.iter().map(listed(pb::PairChange::Ended)));
+    all.sort_unstable_by_key(|listed| (listed.pair.a, listed.pair.b));
+    all
+}
+
 /// A part of a list of pairs; who sends it adds what was read.
-pub(crate) fn pairs(part: &[Pair]) -> pb::PairsResponse {
+pub(crate) fn pairs(part: &[ListedPair]) -> pb::PairsResponse {
     pb::PairsResponse {
         pairs: Some(pb::PairColumns {
-            a: part.iter().map(|pair| pair.a.get()).collect(),
-            b: part.iter().map(|pair| pair.b.get()).collect(),
+            a: part.iter().map(|listed| listed.pair.a.get()).collect(),
+            b: part.iter().map(|listed| listed.pair.b.get()).collect(),
         }),
-        verdicts: part.iter().map(|pair| verdict(pair.certificate.verdict).into()).collect(),
+        verdicts: part.iter().map(|listed| verdict(listed.pair.certificate.verdict).into()).collect(),
         info: None,
+        changes: part.iter().filter_map(|listed| listed.change).map(i32::from).collect(),
     }
 }
 

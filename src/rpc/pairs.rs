@@ -4,9 +4,11 @@
 //! The list is found whole before the first message goes out, so what is refused is refused at once and all messages are
 //! of one tick. They are made one by one as the reader takes them.
 
+use std::sync::Arc;
+
 use collision::{
     answer::Verdict,
-    world::{Found, Pair},
+    world::{Found, Pair, Snapshot, Tick},
 };
 use tokio::{sync::mpsc, time::timeout};
 use tokio_stream::wrappers::ReceiverStream;
@@ -20,8 +22,10 @@ use super::{
 };
 use crate::{
     compute::{self, Weight},
-    convert::answer as found,
-    problem::Checked,
+    convert::answer::{self as found, ListedPair},
+    past,
+    problem::{Checked, Problem, Reason},
+    session::ReadAt,
 };
 
 /// Pairs of one message: 17 bytes each, about 1 MiB.
@@ -43,7 +47,12 @@ pub(super) async fn answer(
     let asking = scene.clone();
     let terms = scene.shared.overridden_by(asked.options.as_ref())?;
     let agreed = terms.clone();
-    let (pairs, account) = compute::run(Weight::Heavy, "finding pairs", move || list(&asking, &agreed)).await?;
+    let old = match asked.since_tick {
+        Some(tick) => Some(since(tick, &scene.snapshot).await?),
+        None => None,
+    };
+    let listing = move || list(&asking, &agreed, old.as_deref());
+    let (pairs, account) = compute::run(Weight::Heavy, "finding pairs", listing).await?;
     let (parts, unread) = mpsc::channel(UNREAD_MESSAGES);
     tokio::spawn(async move {
         for part in messages(&pairs, &scene, &terms, account) {
@@ -54,10 +63,35 @@ pub(super) async fn answer(
     Ok(Response::new(Box::pin(ReceiverStream::new(unread))))
 }
 
-fn list(scene: &Scene, terms: &Terms) -> Checked<(Vec<Pair>, Account)> {
+/// The version that changes are told since.
+async fn since(tick: u64, world: &Arc<Snapshot>) -> Checked<Arc<Snapshot>> {
+    let Some(tick) = Tick::new(tick) else {
+        return Err(Problem::at(
+            "since_tick",
+            Reason::OutOfLimits,
+            "is 0: ticks begin at 1; name the tick to compare with",
+        ));
+    };
+    if tick > world.tick() {
+        let what = format!("is {tick}, after tick {}, which is read: name an earlier one", world.tick());
+        return Err(Problem::at("since_tick", Reason::OutOfLimits, what));
+    }
+    past::check_held("since_tick", tick, world)?;
+    past::read(world.clone(), ReadAt::Tick(tick, 0.0)).await
+}
+
+fn list(scene: &Scene, terms: &Terms, old: Option<&Snapshot>) -> Checked<(Vec<ListedPair>, Account)> {
     let (pairs, account) = scene.ask(terms, |meter| {
-        let hits = scene.snapshot.pairs(&terms.filter, &terms.accuracy, meter)?;
-        let is_open = !hits.is_empty() && hits.iter().all(|pair| pair.certificate.verdict == Verdict::Undecided);
+        let (filter, accuracy) = (&terms.filter, &terms.accuracy);
+        let hits = match old {
+            None => {
+                let pairs = scene.snapshot.pairs(filter, accuracy, meter)?;
+                pairs.into_iter().map(|pair| ListedPair { pair, change: None }).collect()
+            }
+            Some(old) => found::pair_changes(&scene.snapshot.pairs_since(old, filter, accuracy, meter)?),
+        };
+        let is_undecided = |pair: &Pair| pair.certificate.verdict == Verdict::Undecided;
+        let is_open = !hits.is_empty() && hits.iter().all(|listed| is_undecided(&listed.pair));
         let verdict = match (is_open, hits.is_empty()) {
             (true, _) => Verdict::Undecided,
             (false, true) => Verdict::Miss,
@@ -70,7 +104,7 @@ fn list(scene: &Scene, terms: &Terms) -> Checked<(Vec<Pair>, Account)> {
 
 /// The messages of a list: at least one, which says on what tick there is nothing.
 fn messages<'a>(
-    pairs: &'a [Pair],
+    pairs: &'a [ListedPair],
     scene: &'a Scene,
     terms: &'a Terms,
     mut account: Account,

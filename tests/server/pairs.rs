@@ -5,7 +5,7 @@ use std::time::Duration;
 use tonic::Code;
 use wire::v1::{self as pb, edit::Op, read_at::At};
 
-use crate::harness::{Bench, assert_refused, at, insert, read_at, shape, sphere};
+use crate::harness::{Bench, assert_invalid, assert_refused, at, insert, move_to, read_at, shape, sphere};
 
 /// All messages of an answer.
 async fn ask(bench: &mut Bench, request: pb::PairsRequest) -> Result<Vec<pb::PairsResponse>, tonic::Status> {
@@ -93,4 +93,31 @@ async fn a_long_list_comes_in_several_messages_and_one_that_is_too_long_is_refus
     hurried.set_timeout(Duration::from_millis(20));
     let status = bench.questions.pairs(hurried).await.map(|_| ()).unwrap_err();
     assert!(matches!(status.code(), Code::DeadlineExceeded | Code::Cancelled), "{status:?}");
+}
+
+#[tokio::test]
+async fn what_changed_since_a_tick_is_told_pair_by_pair() {
+    use pb::PairChange::{Began, Ended, Persisted};
+    let mut bench = row().await;
+    // Shape 2 leaves shape 1 for shape 4, and shape 3 moves a little.
+    bench.edit(vec![move_to(2, at(7.5, 0.0, 0.0)), move_to(3, at(0.25, 0.0, 0.0))]).await.unwrap();
+    let since = |tick| pb::PairsRequest { since_tick: Some(tick), ..pb::PairsRequest::default() };
+    let parts = ask(&mut bench, since(2)).await.unwrap();
+    assert_eq!(ids(&parts[0]), [(1, 2), (1, 3), (2, 4)]);
+    assert_eq!(parts[0].changes, [Ended, Persisted, Began].map(i32::from));
+    assert_eq!(parts[0].info.as_ref().unwrap().tick, 3);
+    assert_eq!(ids(&ask(&mut bench, since(3)).await.unwrap()[0]), [], "nothing since now");
+    assert_eq!(ids(&ask(&mut bench, since(1)).await.unwrap()[0]), [(1, 3), (2, 4)]);
+    let then = pb::PairsRequest { options: Some(read_at(At::Tick(2))), ..since(1) };
+    let then = ask(&mut bench, then).await.unwrap();
+    assert_eq!((ids(&then[0]), then[0].info.as_ref().unwrap().tick), (vec![(1, 2), (1, 3)], 2));
+    assert!(ask(&mut bench, pb::PairsRequest::default()).await.unwrap()[0].changes.is_empty());
+    let late = pb::PairsRequest { options: Some(read_at(At::Tick(2))), ..since(3) };
+    assert_invalid(&ask(&mut bench, late).await.unwrap_err(), ("OUT_OF_LIMITS", "since_tick", &["after tick 2"]));
+    assert_invalid(&ask(&mut bench, since(0)).await.unwrap_err(), ("OUT_OF_LIMITS", "since_tick", &["begin at 1"]));
+    let settings = pb::WorldSettings { history_ticks: Some(0), ..pb::WorldSettings::default() };
+    let none = pb::UpdateWorldRequest { settings: Some(settings), ..pb::UpdateWorldRequest::default() };
+    bench.worlds.update_world(none).await.unwrap();
+    let gone = ask(&mut bench, since(2)).await.unwrap_err();
+    assert_refused(&gone, Code::OutOfRange, "TICK_NOT_HELD", "since_tick", &["is 2"]);
 }

@@ -106,6 +106,7 @@ messages! {
         1 pairs: Nested<PairColumns>,
         2 verdicts: Choices,
         3 info: Nested<v1::AnswerInfo>,
+        4 changes: Choices,
     }
     HitColumns {
         1 verdicts: Choices,
