@@ -97,11 +97,10 @@ fn signs(v: DVec3) -> [bool; 3] {
 }
 
 /// Of each component one of the two, without a branch: no processor foresees where a path goes.
+#[inline]
 fn select(is_first: [bool; 3], first: DVec3, second: DVec3) -> DVec3 {
-    DVec3::from_array([0, 1, 2].map(|axis| {
-        let mask = u64::from(is_first[axis]).wrapping_neg();
-        f64::from_bits((first[axis].to_bits() & mask) | (second[axis].to_bits() & !mask))
-    }))
+    let both = [second.to_array(), first.to_array()];
+    DVec3::from_array([0, 1, 2].map(|axis| both[usize::from(is_first[axis])][axis]))
 }
 
 /// The larger one; `b` if `a` is NaN.
@@ -134,11 +133,11 @@ impl LocalPath {
     pub(super) fn new(line: &Line, bounds: &Aabb, cell: DVec3, limit: f64) -> Option<Self> {
         let (start, end) = line.stay(bounds, limit)?;
         let path = &line.path;
-        let unit = towards_one(path.direction.abs().max_element());
+        let (unit, per_unit) = towards_one(path.direction.abs().max_element());
         let direction = path.direction * unit;
         let origin = path.origin - cell + path.direction * start;
         // It stays in the box, whatever the limit; below, components of the direction are less than 2.
-        let length = (bounds.max - bounds.min + 2.0 * path.reach).max_element().min((end - start) / unit * 2.0);
+        let length = (bounds.max - bounds.min + 2.0 * path.reach).max_element().min((end - start) * per_unit * 2.0);
         let positions = path.origin.abs() + cell.abs() + path.direction.abs() * start;
         let rounded = (origin.abs() + path.reach).max_element() + length;
         let slack = rounded * tolerance::TREE_SLACK + positions.max_element() * tolerance::SLAB_SLACK;
@@ -153,7 +152,7 @@ impl LocalPath {
             inverse: direction.as_vec3().to_array().map(inverse),
             start,
             end,
-            per_unit: 1.0 / unit,
+            per_unit,
         })
     }
 
@@ -186,10 +185,11 @@ fn inverse(component: f32) -> Vec4 {
     Vec4::splat(component.recip().clamp(f32::MIN, f32::MAX))
 }
 
-/// A power of two, by which a positive number comes to lie in [1, 2), or as near to it as a normal factor brings it.
-fn towards_one(value: f64) -> f64 {
+/// A power of two, by which a positive number comes to lie in [1, 2), or as near to it as a normal factor brings it; and what undoes it.
+fn towards_one(value: f64) -> (f64, f64) {
     let exponent = ((value.to_bits() >> 52) & 0x7ff) as i64 - 1023;
-    f64::from_bits(((1023 - exponent.clamp(-1022, 1022)) as u64) << 52)
+    let exponent = exponent.clamp(-1022, 1022);
+    (f64::from_bits(((1023 - exponent) as u64) << 52), f64::from_bits(((1023 + exponent) as u64) << 52))
 }
 
 #[cfg(test)]
@@ -199,10 +199,11 @@ mod tests {
     #[test]
     fn a_power_of_two_brings_a_number_near_to_one() {
         for value in [1.0, 1.999, 3.7e-5, 6.5e17, 1e150, 1e-300] {
-            assert!((1.0..2.0).contains(&(value * towards_one(value))), "{value}");
+            let (factor, inverse) = towards_one(value);
+            assert!((1.0..2.0).contains(&(value * factor)) && factor * inverse == 1.0, "{value}");
         }
         for value in [f64::MIN_POSITIVE / 8.0, f64::MAX] {
-            let scaled = value * towards_one(value);
+            let scaled = value * towards_one(value).0;
             assert!(scaled > 0.0 && scaled < 4.0, "{value}");
         }
     }

@@ -146,6 +146,9 @@ impl<R: Rooted> Tree for R {
                 limit = limit.min(visit(toll, large.leaf)?);
             }
         }
+        if let [cell] = forest.cells.as_slice() {
+            return follow(forest, cell, line, limit, layers, toll, &mut visit).map(|_| ());
+        }
         let first_limit = limit;
         let begins = |bounds: Aabb| line.entry(&bounds, first_limit);
         for cell in in_order(forest, begins) {
@@ -168,6 +171,9 @@ impl<R: Rooted> Tree for R {
             if distance_at_least(query, large.bounds) <= limit {
                 limit = limit.min(visit(toll, large.leaf)?);
             }
+        }
+        if let [cell] = forest.cells.as_slice() {
+            return approach(forest, cell, query, limit, layers, toll, &mut visit).map(|_| ());
         }
         let begins = |bounds: Aabb| Some(distance_at_least(query, bounds));
         for cell in in_order(forest, begins) {
@@ -195,14 +201,9 @@ pub fn distance_at_least(a: Aabb, b: Aabb) -> f64 {
 
 /// The cells that are not empty, those whose boxes have the least value first. A cell without a value may be left out.
 fn in_order<N>(forest: &Forest<N>, value: impl Fn(Aabb) -> Option<f64>) -> impl Iterator<Item = &Cell> {
-    let mut found: SmallVec<[(f64, &Cell); 2]> = SmallVec::new();
-    if let [cell] = forest.cells.as_slice() {
-        found.extend((cell.root != NO_NODE).then_some((0.0, cell)));
-    } else {
-        let taken = forest.cells.iter().filter(|cell| cell.root != NO_NODE);
-        found.extend(taken.filter_map(|cell| Some((value(cell.bounds)?, cell))));
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    }
+    let taken = forest.cells.iter().filter(|cell| cell.root != NO_NODE);
+    let mut found: SmallVec<[(f64, &Cell); 2]> = taken.filter_map(|cell| Some((value(cell.bounds)?, cell))).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.into_iter().map(|(_, cell)| cell)
 }
 
@@ -250,6 +251,9 @@ fn follow<T: Toll, N: Nodes>(
     toll: &mut T,
     visit: &mut impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
 ) -> Result<f64, T::Stop> {
+    if cell.root == NO_NODE {
+        return Ok(limit);
+    }
     let Some(path) = LocalPath::new(line, &cell.bounds, cell.origin, limit) else {
         return Ok(limit);
     };
@@ -290,6 +294,9 @@ fn approach<T: Toll, N: Nodes>(
     toll: &mut T,
     visit: &mut impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
 ) -> Result<f64, T::Stop> {
+    if cell.root == NO_NODE {
+        return Ok(limit);
+    }
     let mut limit = limit;
     let mut limit_sq = squared(limit);
     let query = LocalBox::around(query, cell.origin).splat();
