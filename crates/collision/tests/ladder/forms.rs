@@ -6,7 +6,7 @@ use collision::{
     DQuat, DVec3,
     math::Pose,
     narrow::Placed,
-    shape::{Geometry, Part},
+    shape::{Geometry, MeshMode, Part, Terrain},
 };
 
 /// Pseudo-random numbers (xorshift64).
@@ -89,17 +89,32 @@ pub(crate) fn bumpy(noise: &mut Noise, scale: f64) -> Geometry {
 
 /// A closed prism over an L, which two convex parts fill.
 pub(crate) fn l_prism() -> Geometry {
-    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
-    let level = |z: f64| outline.map(|[x, y]| DVec3::new(x, y, z) - DVec3::splat(0.5));
-    let vertices: Vec<DVec3> = level(0.0).into_iter().chain(level(1.0)).collect();
-    let caps = (1..5).flat_map(|i| [[0, i + 1, i], [6, i + 6, i + 7]]);
-    let sides = (0..6).flat_map(|i| [[i, (i + 1) % 6, (i + 1) % 6 + 6], [i, (i + 1) % 6 + 6, i + 6]]);
-    Geometry::mesh(&vertices, &caps.chain(sides).collect::<Vec<_>>()).expect("a mesh")
+    l_prism_as(MeshMode::TwoSided, 1.0)
 }
 
-/// A form of about `scale` metres: two in three have stand-ins.
+fn l_prism_as(mode: MeshMode, scale: f64) -> Geometry {
+    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    let level = |z: f64| outline.map(|[x, y]| DVec3::new(x, y, z) - DVec3::splat(0.5));
+    let vertices: Vec<DVec3> = level(0.0).into_iter().chain(level(1.0)).map(|vertex| vertex * scale).collect();
+    let caps = (1..5).flat_map(|i| [[0, i + 1, i], [6, i + 6, i + 7]]);
+    let sides = (0..6).flat_map(|i| [[i, (i + 1) % 6, (i + 1) % 6 + 6], [i, (i + 1) % 6 + 6, i + 6]]);
+    Geometry::mesh_as(mode, &vertices, &caps.chain(sides).collect::<Vec<_>>()).expect("a mesh")
+}
+
+/// A terrain of about `scale` metres, with hollows.
+fn terrain(noise: &mut Noise, scale: f64) -> Geometry {
+    let heights: Vec<f32> = (0..20).map(|_| noise.between(0.0, 1.0) as f32).collect();
+    let spacing = DVec3::splat(0.3 * scale);
+    let field = Terrain { columns: 5, rows: 4, heights: &heights, spacing, holes: &[] };
+    Geometry::height_field(&field).expect("a terrain")
+}
+
+/// How many kinds of form there are.
+pub(crate) const KINDS: usize = 11;
+
+/// A form of about `scale` metres: most have stand-ins.
 pub(crate) fn form(noise: &mut Noise, kind: usize, scale: f64) -> Geometry {
-    let made = match kind % 9 {
+    let made = match kind % KINDS {
         0 | 1 => Ok(large_hull(noise, scale)),
         2 => large_hull(noise, scale).rounded(noise.between(0.05, 0.3) * scale),
         3 | 4 => Ok(bumpy(noise, scale)),
@@ -116,6 +131,16 @@ pub(crate) fn form(noise: &mut Noise, kind: usize, scale: f64) -> Geometry {
             ];
             Geometry::compound(parts)
         }
+        9 => {
+            let mode = noise.one_of([MeshMode::Solid, MeshMode::OneSided]);
+            Ok(l_prism_as(mode, 0.7 * scale))
+        }
+        10 => {
+            let place = |noise: &mut Noise| Pose { position: noise.vector() * scale, ..noise.pose(0.0) };
+            let parts = [terrain(noise, scale), l_prism_as(MeshMode::Solid, 0.5 * scale)];
+            let part = |geometry| Part { geometry: Arc::new(geometry), pose: place(noise) };
+            Geometry::compound(parts.map(part).into())
+        }
         6 => Geometry::sphere(noise.between(0.1, 1.0) * scale),
         7 => Geometry::cuboid((noise.vector().abs() + 0.1) * scale),
         _ => Geometry::capsule(noise.between(0.1, 1.0) * scale, noise.between(0.1, 0.6) * scale),
@@ -128,7 +153,8 @@ pub(crate) fn pair(noise: &mut Noise, number: usize) -> [Body; 2] {
     let scale = noise.one_of([1.0, 1e-3, 1e4]);
     let far = noise.one_of([1.0, 3.0, 10.0, 60.0]) * scale;
     let origin = noise.one_of([DVec3::ZERO, DVec3::new(1e6, -3e5, 2e6)]) * scale;
-    [number % 6, number / 6 % 9].map(|kind| {
+    let first = [0, 1, 2, 3, 5, 9, 10][number % 7];
+    [first, number / 7 % KINDS].map(|kind| {
         let geometry = Arc::new(form(noise, kind, scale));
         let pose = noise.pose(far);
         Body { geometry, pose: Pose { position: pose.position + origin, ..pose } }
