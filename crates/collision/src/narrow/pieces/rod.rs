@@ -148,10 +148,9 @@ impl Rod {
         let extent = farthest.element_sum() + self.extent;
         let sides = [b - a, c - b, a - c];
         let normal = Axis::across(sides[0], c - a);
-        let Some(reach) = self.reach_along(normal, extent) else { return false };
         let below = normal.vector.dot(corners[0]);
         let ahead = below - normal.vector.dot(self.way) * part;
-        if below.min(ahead) > reach || below.max(ahead) < -reach {
+        if self.is_beside(normal, [below.min(ahead), below.max(ahead)], extent) {
             return true;
         }
         let is_still = self.way == DVec3::ZERO;
@@ -169,7 +168,7 @@ impl Rod {
                 let heights = corners.map(|corner| axis.vector.dot(corner));
                 let least = heights[0].min(heights[1]).min(heights[2]);
                 let most = heights[0].max(heights[1]).max(heights[2]);
-                self.reach_along(axis, extent).is_some_and(|reach| least > reach || most < -reach)
+                self.is_beside(axis, [least, most], extent)
             }
             _ => false,
         }
@@ -179,8 +178,15 @@ impl Rod {
     /// are a corner of the side and the corner beyond it.
     fn is_parted(&self, axis: Axis, ends: [DVec3; 2], extent: f64) -> bool {
         let [side, beyond] = ends.map(|corner| axis.vector.dot(corner));
-        let Some(reach) = self.reach_along(axis, extent) else { return false };
-        side.min(beyond) > reach || side.max(beyond) < -reach
+        self.is_beside(axis, [side.min(beyond), side.max(beyond)], extent)
+    }
+
+    /// Whether it surely lies beside what is from `least` to `most` along an axis, as seen from its middle.
+    #[inline]
+    fn is_beside(&self, axis: Axis, [least, most]: [f64; 2], extent: f64) -> bool {
+        // Most that is not parted is on both sides of the middle, which needs no root.
+        (least > 0.0 || most < 0.0)
+            && self.reach_along(axis, extent).is_some_and(|reach| least > reach || most < -reach)
     }
 
     /// How far it reaches along an axis from its middle, times the length of that, and all that the heights of its own points and
