@@ -107,6 +107,26 @@ fn mesh_as(
     }))
 }
 
+/// The same mesh with convex parts, so that two meshes have contacts: the server cuts it once it is registered, with
+/// [`Client::create_geometry`](crate::Client::create_geometry), and it can be placed when it is READY, which
+/// [`Client::get_geometry`](crate::Client::get_geometry) waits for if told so. At most `max_parts` parts, 1 to 1024, or 0 for 32;
+/// they need not be nearer to the mesh than `max_error` metres, or 0 for 1 % of its diagonal. Other forms stay as they are.
+///
+/// ```
+/// use calipers_client::geometry;
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let surface = geometry::mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]);
+/// let parted = geometry::with_parts(surface, 8, 0.01);
+/// # let Some(calipers_client::proto::geometry::Kind::Mesh(mesh)) = parted.kind else { panic!() };
+/// # assert_eq!(mesh.decompose.map(|asked| (asked.max_parts, asked.max_error)), Some((8, 0.01)));
+/// ```
+pub fn with_parts(mut geometry: proto::Geometry, max_parts: u32, max_error: f64) -> proto::Geometry {
+    if let Some(Kind::Mesh(mesh)) = &mut geometry.kind {
+        mesh.decompose = Some(proto::Decompose { max_parts, max_error });
+    }
+    geometry
+}
+
 /// A terrain: heights along y over a grid in x and z that begins at the local origin, row by row, each row `columns` long.
 /// `spacing` is the distance of samples along x and z and the factor on heights. Matter is below; cells are left open with
 /// [`with_holes`].
