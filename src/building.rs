@@ -21,6 +21,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     fence::fenced,
+    furnishing::Furnishings,
     problem::{Checked, Problem, Reason},
     session::Session,
 };
@@ -64,6 +65,11 @@ impl Building {
         }
     }
 
+    /// The same for another session, called off when that has `ended`.
+    pub(crate) fn again(&self, ended: &CancellationToken) -> Self {
+        Self::new(self.mesh.clone(), self.options, ended)
+    }
+
     /// Room that is held for it until its parts are made.
     pub(crate) fn promised_bytes(&self) -> u64 {
         self.promised_bytes
@@ -99,7 +105,7 @@ impl Building {
         };
         let mut farthest = 0.0_f32;
         let mut tell = |progress: Progress| {
-            farthest = farthest.max(progress.done_count as f32 / (progress.part_count.max(1) as f32 + 1.0));
+            farthest = farthest.max(share_done(&progress));
             self.stage.send_replace(Stage::InWork(farthest));
             match self.stop.is_cancelled() || drain.is_cancelled() {
                 true => ControlFlow::Break(()),
@@ -118,19 +124,26 @@ impl Building {
     }
 }
 
+/// How far a decomposition is, from 0 to less than 1.
+pub(crate) fn share_done(progress: &Progress) -> f32 {
+    progress.done_count as f32 / (progress.part_count.max(1) as f32 + 1.0)
+}
+
 /// Where meshes are cut.
 #[derive(Debug)]
 pub(crate) struct Workshop {
-    place: Arc<Semaphore>,
+    pub(crate) place: Arc<Semaphore>,
     made: Mutex<HashMap<GeometryId, Weak<Geometry>>>,
+    /// For questions.
+    pub(crate) furnishings: Furnishings,
     /// Cancelled when the server stops.
-    drain: CancellationToken,
+    pub(crate) drain: CancellationToken,
 }
 
 impl Workshop {
     /// One with nothing to do.
     pub(crate) fn new(drain: CancellationToken) -> Self {
-        Self { place: Arc::new(Semaphore::new(1)), made: Mutex::default(), drain }
+        Self { place: Arc::new(Semaphore::new(1)), made: Mutex::default(), furnishings: Furnishings::default(), drain }
     }
 
     /// Has a mesh cut for a session, when its turn comes.

@@ -141,7 +141,7 @@ impl Geometries {
             sweep_at: held.sweep_at,
             counted_bytes: held.counted_bytes,
             promised_bytes: 0,
-            // What is in work stays with the origin, which has it cut.
+            // What is in work is begun anew by the caller.
             building: BTreeMap::new(),
         };
         Self { held: Mutex::new(held), quota_bytes: self.quota_bytes }
@@ -293,6 +293,11 @@ impl Geometries {
         found.sort_by_key(Known::id);
         found.truncate(most);
         found
+    }
+
+    /// All that is in work, or failed.
+    pub(crate) fn in_work(&self) -> Vec<Arc<Building>> {
+        self.held.lock().building.values().cloned().collect()
     }
 
     /// Forgets a geometry: it can no longer be named. What uses it keeps it.

@@ -18,6 +18,7 @@ mod convert;
 mod deadline;
 mod drain;
 mod fence;
+mod furnishing;
 mod gate;
 mod geometries;
 mod lease;

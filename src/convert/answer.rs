@@ -166,10 +166,12 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
             let with = id.map_or_else(|| "the geometry in against".to_owned(), |id| format!("shape {id}"));
             let what = format!(
                 "the subject and {with} both have meshes, or one is a solid mesh and the other is deep in it: a depth needs \
-                 convex parts; send a mesh with `decompose`, place hulls, or ask Overlap or Distance"
+                 convex parts; name an error (options.accuracy.max_error) to have some made, send a mesh with `decompose`, place \
+                 hulls, or ask Overlap or Distance"
             );
             Problem::new(Reason::NeedsDecomposition, what).with_shape(id_or_none(*id))
         }
+        QuestionError::PartsMissing { with, wanted } => parts_missing(*with, wanted.len(), 0.0),
         QuestionError::TooManyPairs => {
             let what = format!("{error}: leave shapes out with options.filter, or part those that lie in one place");
             Problem::new(Reason::QuotaExceeded, what).with("quota", "pairs").with("limit", PAIRS_MAX)
@@ -181,6 +183,23 @@ pub(crate) fn refused(error: &QuestionError, tick: Tick) -> Problem {
         QuestionError::History(error) => past::refused(error),
         QuestionError::Interrupted => Deadline::problem(),
     }
+}
+
+/// The same where convex parts of so many meshes are missing, which are so far, from 0 to 1.
+pub(crate) fn parts_missing(with: Option<ShapeId>, mesh_count: usize, progress: f32) -> Problem {
+    let meshes = if mesh_count == 1 { "mesh" } else { "meshes" };
+    let what = format!(
+        "convex parts that this depth needs are being made, of {mesh_count} {meshes}: ask again a little later (a looser max_error \
+         is ready sooner)"
+    );
+    Problem::new(Reason::GeometryNotReady, what).with("progress", progress).with_shape(id_or_none(with))
+}
+
+/// The same where the mesh came with the question.
+pub(crate) fn parts_of_nobody() -> Problem {
+    let what = "this depth needs convex parts of a mesh that is sent with the question, which nobody would find again: register it \
+                with CreateGeometry and name it by `geometry_id`, or ask Overlap or Distance";
+    Problem::new(Reason::NeedsDecomposition, what)
 }
 
 fn ray_hit(hit: &RayHit) -> Checked<pb::RayHit> {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use collision::{
     DVec3,
+    answer::Representation,
     shape::{Convex, Core, Form, Geometry, GeometryError, HalfSpace, Mesh, MeshMode, StandIn},
 };
 use wire::v1::{self as pb, geometry::Kind};
@@ -282,8 +283,25 @@ pub(crate) fn info_out(geometry: &Geometry, shape_count: u64) -> Checked<pb::Geo
         shape_count,
         warnings,
         problem: None,
-        stand_ins: geometry.stand_ins_built().map(stand_in_out).collect::<Checked<_>>()?,
+        stand_ins: stand_ins_out(geometry)?,
     })
+}
+
+/// From coarse to fine; convex parts that questions had made last.
+fn stand_ins_out(geometry: &Geometry) -> Checked<Vec<pb::StandIn>> {
+    let mut known = geometry.stand_ins_built().map(stand_in_out).collect::<Checked<Vec<_>>>()?;
+    if let Form::Mesh(mesh) = geometry.form() {
+        for parts in mesh.all_made_parts() {
+            known.push(pb::StandIn {
+                representation: representation(Representation::Decomposition).into(),
+                outside: number_out(parts.outside.upper)?,
+                inside: number_out(parts.inside.upper)?,
+                vertex_count: u32::try_from(counts(&parts.whole).vertex_count).unwrap_or(u32::MAX),
+                memory_bytes: parts.whole.memory_bytes(),
+            });
+        }
+    }
+    Ok(known)
 }
 
 fn stand_in_out(stand_in: &StandIn) -> Checked<pb::StandIn> {

@@ -1,5 +1,7 @@
 //! `ForkSession`: a session whose world begins as a copy of another's, to try something out.
 
+use std::sync::Arc;
+
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
 
@@ -7,9 +9,10 @@ use super::{Caller, Server, create_session::lease, session::session_out};
 use crate::{
     compute::{self, Weight},
     convert::question::read_at,
+    geometries::Known,
     problem::{Checked, Problem, Reason, Under},
     retry::RetryKey,
-    session::ReadAt,
+    session::{ReadAt, Session},
     token::Role,
 };
 
@@ -34,10 +37,24 @@ pub(super) async fn answer(
         return Err(Problem::at("read_at.time", Reason::OutOfLimits, what).into());
     }
     let weight = if snapshot.tick() == session.newest().tick() { Weight::Light } else { Weight::Heavy };
-    let registry = server.registry.clone();
-    let copying = move || registry.fork(&sent.fork, lease, retry, (&session, &snapshot));
+    let (registry, origin) = (server.registry.clone(), session.clone());
+    let copying = move || registry.fork(&sent.fork, lease, retry, (&origin, &snapshot));
     let created = compute::run(weight, "copying a world", copying).await?;
+    carry_on(server, &session, &created.session);
     Ok(Response::new(pb::ForkSessionResponse { session: Some(session_out(&created.session)), token: created.token }))
+}
+
+/// What is in work for the origin is in work for its copy too, which may delete it or outlive the origin. It is cut once: the second
+/// finds what the first has made. What there is no room for stays behind.
+fn carry_on(server: &Server, origin: &Session, copy: &Arc<Session>) {
+    for building in origin.geometries.in_work() {
+        let again = Arc::new(building.again(&copy.ended));
+        if let Ok(Known::InWork(known)) = copy.geometries.begin(&again, &copy.newest())
+            && Arc::ptr_eq(&known, &again)
+        {
+            server.workshop.start(copy.clone(), again);
+        }
+    }
 }
 
 /// A copy begins at a tick, not between two.

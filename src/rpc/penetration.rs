@@ -1,11 +1,11 @@
 //! `Penetration`: what overlaps a subject, and how deep.
 
-use wire::v1 as pb;
+use wire::v1::{self as pb, geometry::Kind, subject::Form};
 
 use super::scene::Scene;
 use crate::{
     convert::{answer as found, question as asked},
-    problem::Checked,
+    problem::{Checked, Reason},
 };
 
 /// Answers it on the scene's version.
@@ -15,7 +15,29 @@ use crate::{
 pub(super) fn answer(sent: &pb::PenetrationRequest, scene: &Scene) -> Checked<pb::PenetrationResponse> {
     let question = asked::penetration(sent, &scene.session.geometries)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let (hits, account) =
-        scene.ask(&terms, |meter| scene.snapshot.penetration(&question, &terms.filter, &terms.accuracy, meter))?;
+    let asked = scene.ask(&terms, |meter| scene.snapshot.penetration(&question, &terms.filter, &terms.accuracy, meter));
+    let (hits, account) = asked.map_err(|problem| match problem.is(Reason::GeometryNotReady) && brings_mesh(sent) {
+        true => found::parts_of_nobody(),
+        false => problem,
+    })?;
     Ok(pb::PenetrationResponse { info: scene.info(&terms, account), ..found::penetration(&hits)? })
+}
+
+/// Whether a mesh is sent with the question, not named: what is made of it is gone with the question.
+fn brings_mesh(sent: &pb::PenetrationRequest) -> bool {
+    let subjects = [&sent.subject, &sent.against].into_iter().flatten();
+    let mut forms = subjects.filter_map(|subject| match &subject.form {
+        Some(Form::Geometry(geometry)) => Some(geometry),
+        Some(Form::Id(_)) | None => None,
+    });
+    forms.any(is_mesh)
+}
+
+/// Compounds are few deep, which was checked.
+fn is_mesh(geometry: &pb::Geometry) -> bool {
+    match &geometry.kind {
+        Some(Kind::Mesh(_)) => true,
+        Some(Kind::Compound(compound)) => compound.parts.iter().filter_map(|part| part.geometry.as_ref()).any(is_mesh),
+        _ => false,
+    }
 }

@@ -18,11 +18,12 @@ use super::{
     fitting,
 };
 use crate::{
+    building::Workshop,
     compute::{self, Weight},
     convert::{answer, question, trace::trace},
     deadline::Deadline,
     fence::fenced,
-    problem::{Checked, Under},
+    problem::{Checked, Problem, Under},
     session::Session,
     token::Role,
 };
@@ -68,6 +69,8 @@ pub(super) enum Naming {
 #[derive(Clone, Debug)]
 pub(super) struct Scene {
     pub(super) session: Arc<Session>,
+    /// Where parts are made that questions need, if they are.
+    pub(super) workshop: Option<Arc<Workshop>>,
     pub(super) snapshot: Arc<Snapshot>,
     pub(super) deadline: Deadline,
     /// What applies to each question that does not say otherwise.
@@ -102,6 +105,7 @@ impl Scene {
         Ok(Self {
             snapshot: session.pin(read_at, caller.deadline).await.under("options")?,
             session,
+            workshop: Some(server.workshop.clone()),
             deadline: caller.deadline,
             shared: Terms::default(),
             naming: Naming::Tick,
@@ -114,6 +118,7 @@ impl Scene {
         Self {
             snapshot: session.newest(),
             session,
+            workshop: None,
             deadline: Deadline::default(),
             shared: Terms::default(),
             naming: Naming::Tick,
@@ -149,7 +154,7 @@ impl Scene {
         if let (Some(touched), Some(notes)) = (&self.touched, &notes) {
             touched.add(notes);
         }
-        let found = found?.map_err(|error| answer::refused(&error, self.snapshot.tick()))?;
+        let found = found?.map_err(|error| self.refused(&error))?;
         let counters = &self.session.counters;
         counters.questions.fetch_add(1, Ordering::Relaxed);
         if found.verdict == Verdict::Undecided {
@@ -164,6 +169,15 @@ impl Scene {
             let (asked, answered) = told();
             trace(asked, answered)
         });
+    }
+
+    /// What is told of a question without an answer. Parts that it lacks are made from now on.
+    fn refused(&self, error: &QuestionError) -> Problem {
+        if let QuestionError::PartsMissing { with, wanted } = error {
+            let progress = self.workshop.as_ref().map_or(0.0, |workshop| workshop.furnish(wanted));
+            return answer::parts_missing(*with, wanted.len(), progress);
+        }
+        answer::refused(error, self.snapshot.tick())
     }
 
     /// What an answer says about itself.

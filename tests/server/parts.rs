@@ -1,7 +1,10 @@
 //! Meshes that are cut into convex parts: in work, ready, called off; and contacts between them.
 
+use std::time::Duration;
+
 use tokio_stream::iter;
 use tonic::{Code, Status};
+use tonic_types::StatusExt;
 use wire::v1::{self as pb, geometry::Kind, geometry_piece::Piece};
 
 use crate::harness::{Bench, assert_refused, at, geometry, insert, shape, subject, with_token};
@@ -105,6 +108,62 @@ async fn two_meshes_with_parts_have_contacts() {
 }
 
 #[tokio::test]
+async fn a_question_that_names_an_error_has_parts_made_and_is_answered_once_they_are() {
+    let mut bench = Bench::start().await;
+    let id = create(&mut bench, "", geometry(Kind::Mesh(l_shape()))).await.geometry_id;
+    let compound =
+        pb::Compound { parts: vec![pb::CompoundPart { geometry: Some(named(&id)), ..pb::CompoundPart::default() }] };
+    bench.edit(vec![insert(shape(1, geometry(Kind::Compound(compound)), at(0.0, 0.0, 0.0)))]).await.expect("it fits");
+    let ask = |max_error: f64| pb::PenetrationRequest {
+        subject: Some(subject(named(&id), at(1.75, 0.25, 0.5))),
+        options: Some(pb::QueryOptions {
+            accuracy: Some(pb::Accuracy { max_error: Some(max_error), ..pb::Accuracy::default() }),
+            ..pb::QueryOptions::default()
+        }),
+        ..pb::PenetrationRequest::default()
+    };
+    let refused = bench.questions.penetration(ask(0.0)).await.expect_err("no error is named");
+    assert_refused(&refused, Code::FailedPrecondition, "NEEDS_DECOMPOSITION", "", &["max_error", "decompose"]);
+    let mut in_place = ask(0.1);
+    in_place.subject = Some(subject(geometry(Kind::Mesh(l_shape())), at(1.75, 0.25, 0.5)));
+    let refused = bench.questions.penetration(in_place).await.expect_err("it is gone with the question");
+    assert_refused(&refused, Code::FailedPrecondition, "NEEDS_DECOMPOSITION", "", &["sent with", "CreateGeometry"]);
+    let mut told = -1.0_f32;
+    let found = loop {
+        match bench.questions.penetration(ask(0.1)).await {
+            Ok(found) => break found.into_inner(),
+            Err(status) => {
+                assert_refused(
+                    &status,
+                    Code::FailedPrecondition,
+                    "GEOMETRY_NOT_READY",
+                    "",
+                    &["of 1 mesh", "ask again"],
+                );
+                let details = status.get_error_details();
+                let progress = &details.error_info().expect("a reason").metadata["progress"];
+                let progress: f32 = progress.parse().expect("a number");
+                assert!((0.0..=1.0).contains(&progress) && progress >= told, "{progress} after {told}");
+                told = progress;
+                tokio::time::sleep(Duration::from_millis(5)).await;
+            }
+        }
+    };
+    assert!(told >= 0.0, "the first question is refused");
+    let certificate = found.contacts[0].certificate.expect("each has one");
+    assert_eq!(certificate.representation(), pb::Representation::Decomposition);
+    assert!(certificate.outside + certificate.inside <= 0.1, "{certificate:?}");
+    let depth = found.contacts[0].depth.expect("a depth");
+    assert!((depth - 0.25).abs() <= 0.1, "{depth}");
+    // Nothing is left to make for an error that is nearly the same, and batches have the same answer.
+    let again = bench.questions.penetration(ask(0.101)).await.expect("they are there").into_inner();
+    assert_eq!(again.contacts, found.contacts);
+    let made = get(&mut bench, &id, false).await.expect("it is known").stand_ins;
+    let made: Vec<_> = made.iter().filter(|it| it.representation() == pb::Representation::Decomposition).collect();
+    assert!(made.len() == 1 && made[0].vertex_count == 16 && made[0].inside + made[0].outside <= 0.05, "{made:?}");
+}
+
+#[tokio::test]
 async fn what_is_in_work_waits_its_turn_and_can_be_called_off() {
     let mut bench = Bench::start().await;
     let slow = create(&mut bench, "", cut(spikes(), 1024)).await;
@@ -172,6 +231,27 @@ async fn in_place_no_parts_are_asked() {
     let nan = request(pb::Decompose { max_parts: 0, max_error: f64::NAN });
     let refused = bench.geometries.create_geometry(nan).await.expect_err("no number");
     assert_refused(&refused, Code::InvalidArgument, "NOT_FINITE", "geometry.mesh.decompose.max_error", &[]);
+}
+
+#[tokio::test]
+async fn a_copy_of_a_session_gets_what_is_in_work_too() {
+    let mut bench = Bench::start().await;
+    let slow = create(&mut bench, "", cut(spikes(), 1024)).await.geometry_id;
+    let next = create(&mut bench, "", cut(l_shape(), 9)).await.geometry_id;
+    let request = pb::ForkSessionRequest { fork: "copy".to_owned(), ..pb::ForkSessionRequest::default() };
+    let made = bench.sessions.fork_session(request).await.expect("a copy").into_inner();
+    let ask = |id: &str, wait: bool| {
+        let request = pb::GetGeometryRequest { session: "copy".to_owned(), geometry_id: id.to_owned(), wait };
+        with_token(&made.token, request)
+    };
+    let known = bench.geometries.get_geometry(ask(&next, false)).await.expect("it is known").into_inner();
+    assert_eq!(known.geometry.expect("how it stands").state(), pb::GeometryState::Building);
+    // Both sessions let the worker go on before the next one's turn comes.
+    delete(&mut bench, &slow).await;
+    let request = pb::DeleteGeometryRequest { session: "copy".to_owned(), geometry_id: slow };
+    bench.geometries.delete_geometry(with_token(&made.token, request)).await.expect("it is forgotten");
+    let ready = bench.geometries.get_geometry(ask(&next, true)).await.expect("its turn comes").into_inner();
+    assert_eq!(ready.geometry.expect("how it stands").state(), pb::GeometryState::Ready);
 }
 
 #[tokio::test]

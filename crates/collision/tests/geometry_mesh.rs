@@ -90,3 +90,60 @@ fn vertices_that_no_triangle_uses_do_not_widen_the_box() {
     assert_eq!(geometry.local_bounds().max, DVec3::new(1.0, 1.0, 0.0));
     assert!(geometry.reach() <= 1.0 + 1e-15);
 }
+
+/// Few vertices, so that edges have many triangles and some triangles are there twice: what is told of neighbours is what looking
+/// at all pairs tells.
+#[test]
+fn neighbours_are_those_that_share_two_vertices() {
+    let mut state = 0x2545_F491_u64;
+    let mut below = |bound: u64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % bound
+    };
+    let mut duplicates = 0;
+    for round in 0..40 {
+        let vertices: Vec<DVec3> = (0..12).map(|k| DVec3::new(k as f64, (k * k) as f64, (k * k * k) as f64)).collect();
+        let mut sent = Vec::new();
+        while sent.len() < 6 + round {
+            let triangle = [(); 3].map(|()| below(12) as u32);
+            if triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0] {
+                sent.push(triangle);
+            }
+        }
+        let geometry = Geometry::mesh(&vertices, &sent).expect("triangles with an area");
+        let mesh = mesh_of(&geometry);
+        let bytes = geometry.memory_bytes();
+        let report = mesh.report();
+        assert_eq!(geometry.memory_bytes(), bytes, "counting keeps nothing");
+        let triangles = mesh.triangles();
+        let ends = |(triangle, k): (usize, usize)| {
+            let (a, b) = (triangles[triangle][k], triangles[triangle][(k + 1) % 3]);
+            (a.min(b), a.max(b))
+        };
+        let sides: Vec<(usize, usize)> = (0..triangles.len()).flat_map(|at| (0..3).map(move |k| (at, k))).collect();
+        let (mut open, mut crowded) = (0.0, 0.0);
+        let mut is_closed = true;
+        for &side in &sides {
+            let others: Vec<_> = sides.iter().copied().filter(|&other| ends(other) == ends(side)).collect();
+            let found: Vec<_> = mesh.adjacency().across(side.0, side.1).collect();
+            let expected: Vec<_> = others.iter().copied().filter(|&other| other != side).collect();
+            assert_eq!(found, expected, "rising");
+            open += f64::from(others.len() == 1);
+            crowded += f64::from(others.len() > 2) / others.len() as f64;
+            let ups = others.iter().filter(|&&(at, k)| triangles[at][k] < triangles[at][(k + 1) % 3]).count();
+            is_closed &= 2 * ups == others.len();
+        }
+        let sets = triangles.iter().map(|triangle| {
+            let mut set = *triangle;
+            set.sort_unstable();
+            set
+        });
+        let different: std::collections::BTreeSet<[u32; 3]> = sets.collect();
+        assert_eq!(report.open_edges, open as usize);
+        assert_eq!(report.non_manifold_edges, f64::round(crowded) as usize);
+        assert_eq!(report.duplicates, triangles.len() - different.len());
+        assert_eq!(mesh.is_closed(), is_closed);
+        duplicates += report.duplicates;
+    }
+    assert!(duplicates > 20, "{duplicates}");
+}

@@ -50,7 +50,7 @@ use self::{
 };
 use crate::{
     answer::{Bound, Stop},
-    shape::{Convex, Core, Form, Geometry, GeometryError, Mesh, MeshParts, PartsAsked},
+    shape::{Convex, Core, Fineness, Form, Geometry, GeometryError, Mesh, MeshParts, PartsAsked},
     tolerance::CUT_OUTSIDE,
 };
 
@@ -70,6 +70,15 @@ pub struct Options {
 impl Options {
     /// Steps where nothing is said: minutes.
     pub const BUDGET_USUAL: u64 = 1 << 32;
+
+    /// Parts at most that are made for a question.
+    const PARTS_FOR_QUESTIONS: u32 = 256;
+
+    /// What is asked of the parts that questions of some fineness need of a mesh.
+    #[must_use]
+    pub fn for_questions(mesh: &Mesh, step: Fineness) -> Self {
+        Self { max_parts: Self::PARTS_FOR_QUESTIONS, max_error: step.max_error(mesh), ..Self::default() }
+    }
 }
 
 impl Default for Options {
@@ -179,6 +188,25 @@ pub fn decompose(
     })
 }
 
+/// Makes the parts of a mesh that questions of some fineness need, and has the mesh keep them; nothing if it does already.
+///
+/// # Errors
+/// [`Cancelled`] if `progress` said so.
+pub fn furnish(
+    mesh: &Mesh,
+    step: Fineness,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<(), Cancelled> {
+    if mesh.made_parts(step).is_some() {
+        return Ok(());
+    }
+    let options = Options::for_questions(mesh, step);
+    let made = decompose(mesh, &options, progress)?;
+    let parts = made.into_parts(&options).expect("there is a part, and not too many for a compound");
+    mesh.keep_parts(step, parts);
+    Ok(())
+}
+
 impl Options {
     /// What is asked of the parts, with the usual number where none is said.
     #[must_use]
@@ -193,8 +221,12 @@ impl Decomposition {
     /// # Errors
     /// `geometry` is no mesh.
     pub fn attached(self, geometry: &Geometry, options: &Options) -> Result<Geometry, GeometryError> {
+        geometry.with_parts(self.into_parts(options)?)
+    }
+
+    fn into_parts(self, options: &Options) -> Result<MeshParts, GeometryError> {
         let part_count = u32::try_from(self.parts.len()).unwrap_or(u32::MAX);
-        geometry.with_parts(MeshParts {
+        Ok(MeshParts {
             asked: options.asked(),
             whole: Geometry::of_hulls(self.parts.into_iter().map(|part| part.geometry))?,
             part_count,

@@ -20,6 +20,7 @@ use self::{convex::PlacedConvex, ladder::Climb};
 pub use convex::Warm;
 pub use ladder::distance_on;
 pub use motion::{InitialTouch, Motion};
+pub use pieces::{PartsWanted, parts_wanted};
 pub use ray::{Faces, Ray, RayTouch, RayTouches, raycast};
 
 pub(crate) use ray::{Aim, raycast_of};
@@ -263,7 +264,8 @@ pub fn depth(a: Placed<'_>, b: Placed<'_>, max_gap: f64, accuracy: &Accuracy, wo
 ///
 /// # Errors
 /// [`NeedsDecomposition`] if both are meshes or compounds with such; if one is solid and the other has its middle in it (or may
-/// have), or touches it only from behind.
+/// have), or touches it only from behind; and the meshes bring no convex parts along that are enough. Where the accuracy names an
+/// error, such parts can be made: [`parts_wanted`] says which, [`furnish`](crate::decompose::furnish) makes them.
 pub fn penetration(
     a: Placed<'_>,
     b: Placed<'_>,

@@ -5,8 +5,14 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use super::{
-    adjacency::Adjacency, bounds::around, creases::Fans, equal::first_equal, islands::first_vertices, ladder::Ladder,
-    mode::MeshMode, parts::MeshParts,
+    adjacency::Adjacency,
+    bounds::around,
+    creases::Fans,
+    equal::first_equal,
+    islands::first_vertices,
+    ladder::Ladder,
+    mode::MeshMode,
+    parts::{MadeParts, MeshParts},
 };
 use crate::{
     broad::StaticTree,
@@ -25,10 +31,12 @@ pub struct Mesh {
     triangles_sent: usize,
     merged_vertices: usize,
     adjacency: OnceLock<Adjacency>,
+    report: OnceLock<MeshReport>,
     fans: OnceLock<Fans>,
     part_vertices: OnceLock<Vec<u32>>,
     tree: OnceLock<StaticTree>,
     parts: Option<Arc<MeshParts>>,
+    made: MadeParts,
     ladder: Ladder,
 }
 
@@ -78,10 +86,12 @@ impl Mesh {
             triangles_sent,
             merged_vertices,
             adjacency: OnceLock::new(),
+            report: OnceLock::new(),
             fans: OnceLock::new(),
             part_vertices: OnceLock::new(),
             tree: OnceLock::new(),
             parts: None,
+            made: MadeParts::default(),
             ladder: Ladder::default(),
         };
         for (triangle, &number) in triangles.iter().zip(numbers) {
@@ -108,6 +118,12 @@ impl Mesh {
     }
 
     /// The local box, exact.
+    #[must_use]
+    pub fn local_bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// The same.
     pub(super) fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -211,15 +227,27 @@ impl Mesh {
         self.tree.get()
     }
 
+    /// The parts that questions had made of it.
+    pub(super) fn made(&self) -> &MadeParts {
+        &self.made
+    }
+
     /// What may stand in for it.
     pub(super) fn ladder(&self) -> &Ladder {
         &self.ladder
     }
 
-    /// What was found when it came. The first call looks for open edges, which costs a sort of all edges.
+    /// What was found when it came. The first call finds all neighbours to count edges; it does not keep them, for most meshes are
+    /// never asked anything that needs them.
     #[must_use]
     pub fn report(&self) -> MeshReport {
-        let adjacency = self.adjacency();
+        *self.report.get_or_init(|| match self.adjacency.get() {
+            Some(adjacency) => self.reported(adjacency),
+            None => self.reported(&Adjacency::new(self.vertices.len(), &self.triangles)),
+        })
+    }
+
+    fn reported(&self, adjacency: &Adjacency) -> MeshReport {
         MeshReport {
             triangles_sent: self.triangles_sent,
             degenerate: self.triangles_sent - self.triangles.len(),
@@ -240,7 +268,7 @@ impl Mesh {
             + self.fans.get().map_or(0, Fans::memory_bytes)
             + self.part_vertices.get().map_or(0, |parts| size_of_val(parts.as_slice()));
         let parts = self.parts().map_or(0, |parts| parts.whole.memory_bytes());
-        let lazy = parts + self.ladder.memory_bytes();
+        let lazy = parts + self.made.memory_bytes() + self.ladder.memory_bytes();
         (size_of::<Self>() + lists) as u64 + lazy + self.tree.get().map_or(0, StaticTree::memory_bytes)
     }
 }

@@ -46,7 +46,7 @@ pub use ladder::{SIMPLIFIED_VERTICES, StandIn};
 pub use limits::{GeometryError, Limits};
 pub use mesh::{Mesh, MeshReport};
 pub use mode::{MeshMode, SolidFault};
-pub use parts::{MeshParts, PartsAsked};
+pub use parts::{Fineness, MeshParts, PartsAsked};
 pub use simplify::Simplified;
 pub use solid::Containment;
 pub use topology::{Edge, Face, Span, Topology};

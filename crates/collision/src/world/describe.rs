@@ -40,8 +40,8 @@ pub struct Description {
 /// Something that was built because a question or an edit first needed it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltStructure {
-    /// `dynamic_tree`, `static_tree`, `mesh_tree`, `compound_tree`, `ball_and_box` and `simplified_hull` (what stands in for
-    /// geometries), `history` (its ticks), `past_trees` (what questions to the past had built).
+    /// `dynamic_tree`, `static_tree`, `mesh_tree`, `compound_tree`, `ball_and_box`, `simplified_hull` and `decomposition` (what stands
+    /// in for geometries; the last are the convex parts that meshes bring or that questions had made), `history` (its ticks), `past_trees` (what questions to the past had built).
     pub name: &'static str,
     /// How many of them.
     pub count: u64,
@@ -140,7 +140,7 @@ impl Snapshot {
 /// What geometries were needed to build so far; its memory is that of the geometries.
 fn built_in(geometries: &[&Arc<Geometry>]) -> impl Iterator<Item = BuiltStructure> {
     let [mut meshes, mut compounds, mut fields] = ["mesh_tree", "compound_tree", "height_pyramid"].map(Sum::of);
-    let [mut volumes, mut hulls] = ["ball_and_box", "simplified_hull"].map(Sum::of);
+    let [mut volumes, mut hulls, mut parts] = ["ball_and_box", "simplified_hull", "decomposition"].map(Sum::of);
     for geometry in geometries {
         for rung in geometry.stand_ins_built() {
             match rung.representation() {
@@ -152,13 +152,20 @@ fn built_in(geometries: &[&Arc<Geometry>]) -> impl Iterator<Item = BuiltStructur
             }
         }
         match geometry.form() {
-            Form::Mesh(mesh) => meshes.add(mesh.built_tree().map(StaticTree::memory_bytes)),
+            Form::Mesh(mesh) => {
+                meshes.add(mesh.built_tree().map(StaticTree::memory_bytes));
+                let cut = mesh.parts().into_iter().chain(mesh.all_made_parts());
+                cut.for_each(|made| parts.add(Some(made.whole.memory_bytes())));
+            }
             Form::Compound(compound) => compounds.add(compound.built_tree().map(StaticTree::memory_bytes)),
             Form::HeightField(field) => fields.add(field.built_bytes()),
             Form::Convex(_) | Form::HalfSpace(_) => {}
         }
     }
-    [meshes, compounds, fields, volumes, hulls].into_iter().map(|sum| sum.0).filter(|structure| structure.count > 0)
+    [meshes, compounds, fields, volumes, hulls, parts]
+        .into_iter()
+        .map(|sum| sum.0)
+        .filter(|structure| structure.count > 0)
 }
 
 /// All structures of one kind.

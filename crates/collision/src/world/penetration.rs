@@ -15,7 +15,7 @@ use super::{
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Verdict},
-    narrow::{self, ContactPoint},
+    narrow::{self, ContactPoint, NeedsDecomposition, PartsWanted},
 };
 
 /// How deep do shapes and the subject overlap, and where do they touch?
@@ -56,7 +56,8 @@ impl Snapshot {
     /// How deep shapes and the subject overlap; deepest first, equal ones by id, then by piece.
     ///
     /// # Errors
-    /// A shape that is not there, [`QuestionError::NeedsDecomposition`], [`QuestionError::Interrupted`].
+    /// A shape that is not there, [`QuestionError::NeedsDecomposition`], [`QuestionError::PartsMissing`],
+    /// [`QuestionError::Interrupted`].
     pub fn penetration(
         &self,
         question: &Penetration,
@@ -74,13 +75,19 @@ impl Snapshot {
         // So that the error of several is that of the lowest id.
         others.sort_unstable_by_key(Side::id);
         let mut hits = Vec::new();
+        let mut missing = None;
         for other in &others {
             meter.look()?;
             let contacts =
                 narrow::penetration(subject.placed, other.placed, question.max_gap, accuracy, &mut meter.work);
             meter.note(|| note(&subject, other, &contacts, accuracy));
-            let contacts = contacts.map_err(|_| QuestionError::NeedsDecomposition(other.id()))?;
-            hits.extend(contacts.into_iter().map(|contact| of_shape(contact, other)));
+            match contacts {
+                Ok(contacts) => hits.extend(contacts.into_iter().map(|contact| of_shape(contact, other))),
+                Err(NeedsDecomposition) => note_missing(&mut missing, &subject, other, accuracy)?,
+            }
+        }
+        if let Some((with, wanted)) = missing {
+            return Err(QuestionError::PartsMissing { with, wanted });
         }
         hits.sort_by(deepest_first);
         let truncated = hits.len() > question.max_contacts;
@@ -93,7 +100,7 @@ impl Snapshot {
 fn note(
     subject: &Side<'_>,
     other: &Side<'_>,
-    contacts: &Result<narrow::Contacts, narrow::NeedsDecomposition>,
+    contacts: &Result<narrow::Contacts, NeedsDecomposition>,
     accuracy: &Accuracy,
 ) -> Note {
     match contacts {
@@ -108,10 +115,31 @@ fn note(
             };
             Note::of([subject.id(), other.id()], Some(deepest.certificate))
         }
-        Err(narrow::NeedsDecomposition) => {
-            Note { verdict: Verdict::Undecided, ..Note::of([subject.id(), other.id()], None) }
+        Err(NeedsDecomposition) => Note { verdict: Verdict::Undecided, ..Note::of([subject.id(), other.id()], None) },
+    }
+}
+
+/// The first of those it is missing with, and the parts of all.
+type Missing = (Option<ShapeId>, Vec<PartsWanted>);
+
+/// Notes what parts a pair lacks, so that those of all pairs can be made at once; an error if they cannot be made.
+fn note_missing(
+    missing: &mut Option<Missing>,
+    subject: &Side<'_>,
+    other: &Side<'_>,
+    accuracy: &Accuracy,
+) -> Result<(), QuestionError> {
+    let found = narrow::parts_wanted([subject.placed.geometry, other.placed.geometry], accuracy);
+    if found.is_empty() && missing.is_none() {
+        return Err(QuestionError::NeedsDecomposition(other.id()));
+    }
+    let (_, wanted) = missing.get_or_insert_with(|| (other.id(), Vec::new()));
+    for parts in found {
+        if !wanted.contains(&parts) {
+            wanted.push(parts);
         }
     }
+    Ok(())
 }
 
 fn of_shape(contact: narrow::Contact, other: &Side<'_>) -> Contact {

@@ -12,6 +12,7 @@ use crate::{
     answer::{Verdict, Work},
     broad::Toll,
     math::Pose,
+    narrow::PartsWanted,
     shape::{Geometry, GeometryError},
 };
 
@@ -90,6 +91,15 @@ pub enum QuestionError {
     /// Depth between two meshes, or compounds with such, or of what is deep in a solid one, needs convex parts.
     #[error("{} and the subject both have meshes without convex parts, or one is deep in the other, a solid one", .0.map_or("what it is tested against".into(), |id| format!("shape {id}")))]
     NeedsDecomposition(Option<ShapeId>),
+    /// The same where the question names an error, so that parts may be made for it: of these meshes they are not there yet. Once
+    /// each has them ([`furnish`](crate::decompose::furnish)), the question has an answer.
+    #[error("convex parts that a depth needs are not made yet, of {} meshes of the subject or of {}", .wanted.len(), .with.map_or("what it is tested against".into(), |id| format!("shape {id}")))]
+    PartsMissing {
+        /// The shape that the subject is tested against; `None` if it is a geometry.
+        with: Option<ShapeId>,
+        /// What is to be made.
+        wanted: Vec<PartsWanted>,
+    },
     /// The subject, by its id if it is a shape, must be convex for this question.
     #[error("{} is not convex, which this question needs", .0.map_or("the subject".into(), |id| format!("shape {id}")))]
     SubjectNotConvex(Option<ShapeId>),

@@ -5,6 +5,7 @@ mod contacts;
 mod cubes;
 mod data;
 mod laws;
+mod made;
 #[path = "../reference/mod.rs"]
 mod reference;
 mod sampled;

@@ -8,13 +8,13 @@ use std::{convert::Infallible, ops::ControlFlow};
 
 use glam::DVec3;
 
-use super::{Facet, Piece, Side};
+use super::{Facet, Piece, Side, stand_in::StandIns};
 use crate::{
     answer::{Feature, Work},
     broad::{ALL_LAYERS, Line, Path, Tree},
     math::{Aabb, Pose},
     narrow::{half_space::Body, place::Place},
-    shape::{Compound, Convex, Core, Geometry, HeightField, Mesh, Standing},
+    shape::{Compound, Convex, Core, Form, Geometry, HeightField, Mesh, MeshParts, Standing},
     tolerance,
 };
 
@@ -35,6 +35,8 @@ enum Kind<'a> {
     Mesh(&'a Mesh),
     /// Other geometries.
     Compound(&'a Compound),
+    /// The convex parts that stand in for a mesh.
+    Parts(&'a Compound),
     /// The skin of a body.
     Field(&'a HeightField),
 }
@@ -68,7 +70,7 @@ impl<'a> Concave<'a> {
     /// Which of two is taken apart first: what has an inside is asked about pieces of the other.
     pub(super) fn rank(&self) -> u8 {
         match self.kind {
-            Kind::Compound(_) => 0,
+            Kind::Compound(_) | Kind::Parts(_) => 0,
             Kind::Mesh(_) => 1,
             Kind::Field(_) => 2,
         }
@@ -96,7 +98,7 @@ impl<'a> Concave<'a> {
         match self.kind {
             Kind::Mesh(mesh) => Some(Body::Mesh(mesh)),
             Kind::Field(field) => Some(Body::Field(field)),
-            Kind::Compound(_) => None,
+            Kind::Compound(_) | Kind::Parts(_) => None,
         }
     }
 
@@ -109,16 +111,18 @@ impl<'a> Concave<'a> {
     pub(super) fn as_mesh(&self) -> Option<&'a Mesh> {
         match self.kind {
             Kind::Mesh(mesh) => Some(mesh),
-            Kind::Compound(_) | Kind::Field(_) => None,
+            Kind::Compound(_) | Kind::Parts(_) | Kind::Field(_) => None,
         }
     }
 
-    /// Whether some of its pieces are parts of a surface, which has no depth of its own.
-    pub(super) fn has_surface(&self) -> bool {
-        match self.kind {
-            Kind::Mesh(_) => true,
-            Kind::Compound(compound) => compound.has_surface(),
-            Kind::Field(_) => false,
+    /// The convex parts that stand in for it, if it is a mesh of which some do; else itself.
+    pub(super) fn or_parts(&self, stand_ins: StandIns<'_>) -> Self {
+        match self.as_mesh().and_then(|mesh| stand_ins.of(mesh)) {
+            Some(MeshParts { whole, .. }) => match whole.form() {
+                Form::Compound(compound) => Self { kind: Kind::Parts(compound), geometry: whole, ..*self },
+                Form::Convex(_) | Form::Mesh(_) | Form::HeightField(_) | Form::HalfSpace(_) => *self,
+            },
+            None => *self,
         }
     }
 
@@ -138,7 +142,7 @@ impl<'a> Concave<'a> {
     fn piece_count(&self) -> usize {
         match self.kind {
             Kind::Mesh(mesh) => mesh.triangles().len(),
-            Kind::Compound(compound) => compound.parts().len(),
+            Kind::Compound(compound) | Kind::Parts(compound) => compound.parts().len(),
             Kind::Field(field) => field.cell_count(),
         }
     }
@@ -153,7 +157,9 @@ impl<'a> Concave<'a> {
         let each = |work: &mut Work, leaf| Ok::<_, Infallible>(self.with_piece(leaf, |piece| visit(piece, work)));
         let Ok(()) = match self.kind {
             Kind::Mesh(mesh) => mesh.tree().visit_box(query, ALL_LAYERS, work, each),
-            Kind::Compound(compound) => compound.tree().visit_box(query, ALL_LAYERS, work, each),
+            Kind::Compound(compound) | Kind::Parts(compound) => {
+                compound.tree().visit_box(query, ALL_LAYERS, work, each)
+            }
             Kind::Field(field) => field.visit_box(query, ALL_LAYERS, work, each),
         };
     }
@@ -170,7 +176,9 @@ impl<'a> Concave<'a> {
         let each = |work: &mut Work, leaf| Ok::<_, Infallible>(self.with_piece(leaf, |piece| visit(piece, work)));
         let Ok(()) = match self.kind {
             Kind::Mesh(mesh) => mesh.tree().visit_nearest(query, limit, ALL_LAYERS, work, each),
-            Kind::Compound(compound) => compound.tree().visit_nearest(query, limit, ALL_LAYERS, work, each),
+            Kind::Compound(compound) | Kind::Parts(compound) => {
+                compound.tree().visit_nearest(query, limit, ALL_LAYERS, work, each)
+            }
             Kind::Field(field) => field.visit_nearest(query, limit, ALL_LAYERS, work, each),
         };
     }
@@ -196,7 +204,9 @@ impl<'a> Concave<'a> {
         let line = Line::new(path);
         let Ok(()) = match self.kind {
             Kind::Mesh(mesh) => mesh.tree().visit_ray(&line, limit, ALL_LAYERS, work, each),
-            Kind::Compound(compound) => compound.tree().visit_ray(&line, limit, ALL_LAYERS, work, each),
+            Kind::Compound(compound) | Kind::Parts(compound) => {
+                compound.tree().visit_ray(&line, limit, ALL_LAYERS, work, each)
+            }
             Kind::Field(field) => field.visit_ray(&line, limit, ALL_LAYERS, work, each),
         };
     }
@@ -209,18 +219,35 @@ impl<'a> Concave<'a> {
                 let convex = &Convex { core: Core::Triangle(mesh.corners(index)), radius: 0.0 };
                 let feature = Feature { part: self.part, face: Some(mesh.sent_number(index)) };
                 let facet = Some(Facet { mesh, triangle: index });
-                ask(Side::Convex(Piece { convex, place: self.place, feature, skin: false, facet }))
+                ask(Side::Convex(Piece { convex, place: self.place, feature, skin: false, facet, is_of_parts: false }))
             }
             Kind::Field(field) => {
                 let convex = &Convex { core: Core::Triangle(field.corners(index)), radius: 0.0 };
                 let feature = Feature { part: self.part, face: Some(HeightField::cell_of(index) as u32) };
-                ask(Side::Convex(Piece { convex, place: self.place, feature, skin: true, facet: None }))
+                ask(Side::Convex(Piece {
+                    convex,
+                    place: self.place,
+                    feature,
+                    skin: true,
+                    facet: None,
+                    is_of_parts: false,
+                }))
             }
             Kind::Compound(compound) => {
                 let part = &compound.parts()[index];
                 let place = self.place.of_part(&part.pose, part.geometry.reach());
                 let number = self.part.unwrap_or(0) + compound.first_leaf(index);
                 ask(Side::of(&part.geometry, place, Some(number)))
+            }
+            Kind::Parts(compound) => {
+                let part = &compound.parts()[index];
+                let place = self.place.of_part(&part.pose, part.geometry.reach());
+                // In a compound they are all the one part that the mesh is.
+                let number = self.part.unwrap_or(compound.first_leaf(index));
+                match Side::of(&part.geometry, place, Some(number)) {
+                    Side::Convex(piece) => ask(Side::Convex(Piece { is_of_parts: true, ..piece })),
+                    other => ask(other),
+                }
             }
         }
     }

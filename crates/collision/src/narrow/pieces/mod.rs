@@ -27,11 +27,13 @@ mod matter;
 mod overlap;
 mod penetration;
 mod rod;
+mod stand_in;
 mod sweep;
 
 use glam::DVec3;
 
-use self::{concave::Concave, facet::Facet};
+pub use self::stand_in::{PartsWanted, parts_wanted};
+use self::{concave::Concave, facet::Facet, stand_in::StandIns};
 pub(super) use self::{
     distance::distance,
     impact::{First, impact},
@@ -69,6 +71,8 @@ struct Piece<'a> {
     skin: bool,
     /// The triangle, if it is one of a mesh.
     facet: Option<Facet<'a>>,
+    /// It is one of the convex parts that stand in for a mesh.
+    is_of_parts: bool,
 }
 
 /// A half space.
@@ -90,12 +94,21 @@ impl<'a> Side<'a> {
     fn of(geometry: &'a Geometry, place: Place, part: Option<u32>) -> Self {
         match geometry.form() {
             Form::Convex(convex) => {
-                Self::Convex(Piece { convex, place, feature: Feature { part, face: None }, skin: false, facet: None })
+                let feature = Feature { part, face: None };
+                Self::Convex(Piece { convex, place, feature, skin: false, facet: None, is_of_parts: false })
             }
             Form::Mesh(mesh) => Self::Concave(Concave::mesh(mesh, geometry, place, part)),
             Form::Compound(compound) => Self::Concave(Concave::compound(compound, geometry, place, part)),
             Form::HeightField(field) => Self::Concave(Concave::height_field(field, geometry, place, part)),
             Form::HalfSpace(half_space) => Self::Space(Space { half_space, geometry, place }),
+        }
+    }
+
+    /// What stands in for it if it is a mesh of which something does; else itself.
+    fn or_parts(&self, stand_ins: StandIns<'_>) -> Self {
+        match self {
+            Self::Concave(concave) => Self::Concave(concave.or_parts(stand_ins)),
+            Self::Convex(_) | Self::Space(_) => *self,
         }
     }
 

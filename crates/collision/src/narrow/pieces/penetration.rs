@@ -1,4 +1,8 @@
 //! How deep the pieces of a concave form are in another form.
+//!
+//! # Method
+//! Triangles have no depth among each other, nor has what is deep in a solid mesh any that its surface tells: then convex parts stand
+//! in for the meshes. Depths are those of the parts, verdicts those of the meshes.
 
 use std::ops::ControlFlow;
 
@@ -10,19 +14,20 @@ use super::{
     matter::{self, AcrossGaps, Met},
     next, overlap,
     rod::Rod,
+    stand_in::StandIns,
 };
 use crate::{
     accuracy::Accuracy,
     answer::{Model, Representation, Verdict, Work},
     narrow::{Contact, Contacts, NeedsDecomposition, Placed},
-    shape::{MeshMode, MeshParts, Standing},
+    shape::{MeshMode, Standing},
 };
 
 /// Contacts of all pairs of pieces whose gap is not proved to be above `max_gap` metres, by piece.
 ///
 /// # Errors
 /// [`NeedsDecomposition`] if both have surfaces, or if the middle of a form lies in a solid mesh (or may do so), or all that it
-/// touches of one faces away from its middle; and neither is a mesh with convex parts.
+/// touches of one faces away from its middle; and there are no convex parts for that ([`StandIns`]).
 pub(in crate::narrow) fn penetration(
     a: Placed<'_>,
     b: Placed<'_>,
@@ -30,71 +35,88 @@ pub(in crate::narrow) fn penetration(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Result<Contacts, NeedsDecomposition> {
-    let Ordered { first, second, is_swapped, origin } = Ordered::new(a, b);
-    if let (Side::Concave(one), Side::Concave(other)) = (&first, &second)
-        && one.has_surface()
-        && other.has_surface()
-    {
-        return by_parts(a, b, max_gap, accuracy, work);
-    }
-    let mut found = Touching {
-        contacts: Contacts::new(),
-        max_gap,
-        accuracy,
-        is_deep: false,
-        is_touched_from_back: false,
-        across_gaps: AcrossGaps::LeaveOut,
-    };
-    found.search(&first, &second, work);
-    if found.is_deep {
-        return by_parts(a, b, max_gap, accuracy, work);
-    }
-    let mut contacts = found.contacts;
-    if is_swapped {
-        contacts = contacts.into_iter().map(Contact::swapped).collect();
-    }
-    for point in contacts.iter_mut().flat_map(|contact| &mut contact.points) {
-        point.point_on_a += origin;
-        point.point_on_b += origin;
-    }
-    contacts.sort_by_key(|contact| (contact.feature_a, contact.feature_b));
-    Ok(contacts)
+    let ask = Ask { a, b, max_gap, accuracy };
+    [StandIns::Nothing, StandIns::Brought, StandIns::Made(accuracy)]
+        .into_iter()
+        .find_map(|stand_ins| ask.contacts(stand_ins, work))
+        .ok_or(NeedsDecomposition)
 }
 
-/// Contacts of two surfaces, or of what is deep in a solid, of which the convex parts of those that bring some stand in for them. What parts say of meshes: they
-/// are apart if the parts are farther apart than the meshes lie outside of them. That meshes touch only they tell themselves.
-fn by_parts(
-    a: Placed<'_>,
-    b: Placed<'_>,
+struct Ask<'a> {
+    a: Placed<'a>,
+    b: Placed<'a>,
     max_gap: f64,
-    accuracy: &Accuracy,
-    work: &mut Work,
-) -> Result<Contacts, NeedsDecomposition> {
-    let parts = [a, b].map(|placed| placed.geometry.parts());
-    if parts.iter().all(Option::is_none) {
-        return Err(NeedsDecomposition);
+    accuracy: &'a Accuracy,
+}
+
+impl Ask<'_> {
+    /// The contacts, where what stands in for meshes is enough to tell them.
+    fn contacts(&self, stand_ins: StandIns<'_>, work: &mut Work) -> Option<Contacts> {
+        let Self { a, b, max_gap, accuracy } = *self;
+        let [of_a, of_b] = [a, b].map(|placed| stand_ins.census(placed.geometry));
+        let is_enough = match stand_ins {
+            StandIns::Nothing => !of_a.has_surface || !of_b.has_surface,
+            StandIns::Brought => (of_a.has_parts || of_b.has_parts) && !(of_a.has_surface && of_b.has_surface),
+            StandIns::Made(_) => accuracy.may_stand_in() && !of_a.has_surface && !of_b.has_surface,
+        };
+        if !is_enough {
+            return None;
+        }
+        let (outside, inside) = (sum_up(of_a.outside, of_b.outside), sum_up(of_a.inside, of_b.inside));
+        let Ordered { first, second, is_swapped, origin } = Ordered::new(a, b);
+        let mut found = Touching {
+            stand_ins,
+            contacts: Contacts::new(),
+            // Parts may be farther apart than their meshes.
+            max_gap: sum_up(max_gap, outside),
+            accuracy,
+            is_deep: false,
+            is_touched_from_back: false,
+            across_gaps: AcrossGaps::LeaveOut,
+        };
+        found.search(&first, &second, work);
+        if found.is_deep {
+            return None;
+        }
+        let mut contacts = found.contacts;
+        if is_swapped {
+            contacts = contacts.into_iter().map(Contact::swapped).collect();
+        }
+        for point in contacts.iter_mut().flat_map(|contact| &mut contact.points) {
+            point.point_on_a += origin;
+            point.point_on_b += origin;
+        }
+        contacts.sort_by_key(|contact| (contact.feature_a, contact.feature_b));
+        self.judge_parts(&mut contacts, Model { representation: Representation::Decomposition, outside, inside }, work);
+        Some(contacts)
     }
-    let [one, other] = [(a, parts[0]), (b, parts[1])].map(|(placed, parts)| match parts {
-        Some(parts) => Placed { geometry: &parts.whole, ..placed },
-        None => placed,
-    });
-    let mut contacts = penetration(one, other, max_gap, accuracy, work)?;
-    let sum = |error: fn(&MeshParts) -> f64| parts.iter().flatten().map(|parts| error(parts)).sum::<f64>();
-    let (outside, inside) = (sum(|parts| parts.outside.upper), sum(|parts| parts.inside.upper));
-    // Only what may touch needs to be asked.
-    let mut touch = None;
-    for contact in &mut contacts {
-        let certificate = &mut contact.certificate;
-        // Both sides of the comparison are rounded once.
-        let is_apart = certificate.bound.upper.next_up() < -outside.next_up();
-        certificate.verdict =
-            if is_apart { Verdict::Miss } else { touch.get_or_insert_with(|| overlap(a, b, accuracy, work)).verdict };
-        certificate.model = Model { representation: Representation::Decomposition, outside, inside };
+
+    /// What contacts of parts say of meshes: these are apart if the parts are farther apart than the meshes lie outside of them. That
+    /// meshes touch only they tell themselves.
+    fn judge_parts(&self, contacts: &mut Contacts, model: Model, work: &mut Work) {
+        // Only what may touch needs to be asked.
+        let mut touch = None;
+        let of_parts = |contact: &&mut Contact| contact.certificate.model.representation == model.representation;
+        for contact in contacts.iter_mut().filter(of_parts) {
+            let certificate = &mut contact.certificate;
+            // Both sides of the comparison are rounded once.
+            let is_apart = certificate.bound.upper.next_up() < -model.outside.next_up();
+            certificate.verdict = match is_apart {
+                true => Verdict::Miss,
+                false => touch.get_or_insert_with(|| overlap(self.a, self.b, self.accuracy, work)).verdict,
+            };
+            certificate.model = model;
+        }
     }
-    Ok(contacts)
+}
+
+/// Rounded up; exact if one is 0.
+fn sum_up(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { a + b } else { (a + b).next_up() }
 }
 
 struct Touching<'a> {
+    stand_ins: StandIns<'a>,
     contacts: Contacts,
     max_gap: f64,
     accuracy: &'a Accuracy,
@@ -108,6 +130,15 @@ struct Touching<'a> {
 
 impl Touching<'_> {
     fn search(&mut self, a: &Side<'_>, b: &Side<'_>, work: &mut Work) {
+        match self.stand_ins {
+            StandIns::Nothing => self.search_pieces(a, b, work),
+            StandIns::Brought | StandIns::Made(_) => {
+                self.search_pieces(&a.or_parts(self.stand_ins), &b.or_parts(self.stand_ins), work);
+            }
+        }
+    }
+
+    fn search_pieces(&mut self, a: &Side<'_>, b: &Side<'_>, work: &mut Work) {
         let known = self.contacts.len();
         match next(a, b) {
             Next::Ask(a, b) => {
@@ -176,7 +207,10 @@ impl Touching<'_> {
     fn contact(&mut self, a: &Piece<'_>, b: &Piece<'_>, work: &mut Work) -> Option<Contact> {
         let felt = facet::contact(a, b, self.max_gap, self.accuracy, work);
         self.is_touched_from_back |= felt.is_from_back;
-        let found = Contact { feature_a: a.feature, feature_b: b.feature, ..felt.contact? };
+        let mut found = Contact { feature_a: a.feature, feature_b: b.feature, ..felt.contact? };
+        if a.is_of_parts || b.is_of_parts {
+            found.certificate.model.representation = Representation::Decomposition;
+        }
         match (a.skin, b.skin) {
             (_, true) => matter::out_of(a, b, found, self.across_gaps, work),
             (true, false) => matter::out_of(b, a, found.swapped(), self.across_gaps, work).map(Contact::swapped),
