@@ -5,7 +5,7 @@
 //! `ask` asks in both orders and warm, `judge` compares with [`crate::oracle::Truth`]; `rays` does all that for rays. Concave
 //! forms: `whole` and `wholes` make them, `whole_pairs` and `whole_rays` ask and judge. `moves` sets any of them in motion,
 //! `moves_judge` judges the first touch. `report` counts by question, form, extreme and accuracy and says what there is too little of,
-//! `source` writes what failed as a test to paste, `state` keeps a long run, [`run`] does it all on some threads.
+//! `matrix` asks every kind at every extreme, also moved and scaled (`scaled`). `source` writes what failed as a test to paste, `state` keeps a long run, [`run`] does it all on some threads.
 //!
 //! # What is checked
 //! * No interval misses the truth, with no slack beyond the oracle's own bounds (1e-27 of the pair for corners; for round
@@ -33,6 +33,7 @@ mod ask;
 mod case;
 mod forms;
 mod judge;
+mod matrix;
 mod moves;
 mod moves_judge;
 mod outcome;
@@ -40,6 +41,7 @@ mod pairs;
 mod rays;
 mod report;
 mod run;
+mod scaled;
 mod source;
 mod state;
 mod tally;
@@ -51,6 +53,7 @@ mod wholes;
 pub use ask::{Answers, Warmed};
 pub use forms::Kind;
 pub use judge::judge;
+pub use matrix::Sweep;
 pub use moves::MoveQuestion;
 pub use outcome::{Answer, Asked, Fault, FaultKind, Outcome};
 pub use pairs::{Question, question};

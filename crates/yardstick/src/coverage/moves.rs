@@ -54,19 +54,24 @@ pub(super) enum Turning {
 
 /// The question that a seed and forms name.
 pub(super) fn move_question(seed: u64, movers: Movers, turning: Turning) -> MoveQuestion {
+    move_question_at(seed, movers, turning, None)
+}
+
+/// The same, with a motion that is hard in a way that is named.
+pub(super) fn move_question_at(seed: u64, movers: Movers, turning: Turning, style: Option<&str>) -> MoveQuestion {
     let mut random = Random::new(seed);
     let random = &mut random;
     let (category, mut sides) = match movers {
         Movers::Convex(a, b) => {
-            let (category, a, b) = placed_pair(random, (a, b));
+            let (category, a, b) = placed_pair(random, (a, b), None);
             (category, [a.into(), b.into()])
         }
-        Movers::Concave(class, kind) => placed_wholes(random, class, kind),
+        Movers::Concave(class, kind) => placed_wholes(random, class, kind, None),
     };
-    let (style, mut motion) = motion(random, &mut sides);
-    let mut categories = [category, style];
+    let (way, mut motion) = motion(random, &mut sides, style);
+    let mut categories = [category, way];
     if turning == Turning::Yes {
-        let spin = spin(random);
+        let spin = if style == Some("many_turns") { TAU * random.uniform(3.5, 300.0) } else { spin(random) };
         if spin > 3.0 * TAU {
             categories[1] = "many_turns";
         }
@@ -92,12 +97,17 @@ fn spin(random: &mut Random) -> f64 {
     }
 }
 
+/// What may be hard about a motion, in the order of the numbers below; `many_turns` is one that goes anywhere.
+pub(super) const STYLES: [&str; 6] = ["zero_motion", "enormous_motion", "grazing", "random", "approach", "many_turns"];
+
 /// A motion, and what is hard about it. What grazes begins elsewhere.
-fn motion(random: &mut Random, sides: &mut [PlacedWhole; 2]) -> (&'static str, Motion) {
+fn motion(random: &mut Random, sides: &mut [PlacedWhole; 2], style: Option<&str>) -> (&'static str, Motion) {
     let reach = sides.each_ref().map(|side| side.whole.reach().min(1e9));
     let size = (reach[0] + reach[1]).max(1e-9);
     let apart = sides[1].position - sides[0].position;
-    let (style, way) = match random.bits() % 8 {
+    let any = random.bits() % 8;
+    let named = |style| STYLES.iter().position(|known| *known == style);
+    let (style, way) = match style.and_then(named).map_or(any, |index| index as u64) {
         0 => ("zero_motion", DVec3::ZERO),
         1 => ("enormous_motion", random.direction() * (size * power_of_ten(random, 3.0, 9.0)).min(1e11)),
         2 => ("grazing", graze(random, sides, size)),
@@ -183,6 +193,11 @@ pub(super) struct Moved {
 
 /// Asks and judges; `None` if the crate refuses one of the forms.
 pub(super) fn examine(question: &MoveQuestion) -> Option<Outcome> {
+    ask(question).map(|moved| judge(question, &moved))
+}
+
+/// Asks in both orders; `None` if the crate refuses one of the forms.
+pub(super) fn ask(question: &MoveQuestion) -> Option<Moved> {
     let geometries = question.sides.each_ref().map(|side| side.whole.geometry());
     let [Ok(a), Ok(b)] = &geometries else { return None };
     let a = Placed { geometry: a, pose: question.sides[0].pose() };
@@ -198,5 +213,5 @@ pub(super) fn examine(question: &MoveQuestion) -> Option<Outcome> {
     let mut work = Work::default();
     let there = narrow::impact(a, b, motion, &question.accuracy, &mut work);
     let back = narrow::impact(b, a, &swapped, &question.accuracy, &mut Work::default());
-    Some(judge(question, &Moved { there, back, work }))
+    Some(Moved { there, back, work })
 }

@@ -147,6 +147,9 @@ fn first(question: &MoveQuestion, unions: &[Union; 2]) -> First {
             continue;
         }
         let sides = [&question.sides[0].whole, &question.sides[1].whole];
+        // A terrain is asked by its skin, which here is the end of columns.
+        first.is_open |= sides.iter().any(|whole| whole.is_one_sided())
+            && sides.iter().any(|whole| matches!(whole, Whole::Field { .. }));
         let normal = met.normal_a_to_b;
         let of_a = is_met(sides[0], a, &place_a, way, normal);
         let of_b = is_met(sides[1], b, &place_b, -way, -normal);
@@ -217,7 +220,9 @@ fn judge_straight(
     }
     let width = bound.width() * way / s;
     let is_sharp = touch.certificate.verdict == Verdict::Hit && touch.certificate.stop != Stop::Budget;
-    let is_exact = question.accuracy.tier == Tier::Exact && question.accuracy.max_error == 0.0;
+    // Of a concave form another piece that is grazed may leave it open.
+    let is_alone = unions.iter().all(|union| union.pieces.len() == 1);
+    let is_exact = is_alone && question.accuracy.tier == Tier::Exact && question.accuracy.max_error == 0.0;
     if is_sharp
         && is_exact
         && first.cosine >= COSINE_MIN
@@ -241,10 +246,8 @@ fn is_held(question: &MoveQuestion, unions: &[Union; 2]) -> Option<bool> {
         return Some(false);
     }
     let places = question.places();
-    let held_by = |solid: usize, other: usize| {
-        let point = unions[other].some_point(&places[other]);
-        point.is_some_and(|point| unions[solid].winds_around(&places[solid], point))
-    };
+    let held_by =
+        |solid: usize, other: usize| unions[solid].holds_some_of(&places[solid], &unions[other], &places[other]);
     let nearest = Union::nearest((&unions[0], &places[0]), (&unions[1], &places[1]));
     let is_off = |(truth, _): &(Truth, _), least: f64| truth.is_above(least * scale_of(&question.sides));
     // On the surface the winding number means nothing.

@@ -33,7 +33,7 @@ pub struct Question {
 }
 
 /// What is hard about a pair.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Category {
     Generic,
     NearTouch,
@@ -70,11 +70,21 @@ const CATEGORIES: [(Category, &str); 15] = [
     (Category::Huge, "huge"),
 ];
 
+/// What may be hard about a pair, by name.
+pub(super) fn extremes() -> impl Iterator<Item = &'static str> {
+    CATEGORIES.iter().map(|(_, name)| *name)
+}
+
 /// The question that a seed and two kinds name.
 #[must_use]
 pub fn question(seed: u64, kinds: (Kind, Kind)) -> Question {
+    question_at(seed, kinds, None)
+}
+
+/// The same, hard in a way that is named.
+pub(super) fn question_at(seed: u64, kinds: (Kind, Kind), extreme: Option<&str>) -> Question {
     let mut random = Random::new(seed);
-    let (name, a, b) = placed_pair(&mut random, kinds);
+    let (name, a, b) = placed_pair(&mut random, kinds, extreme);
     let s = scale(&a, &b);
     let accuracy = accuracy(&mut random, s);
     let limit = if random.one_in(5) { s * power_of_ten(&mut random, -3.0, 0.5) } else { f64::INFINITY };
@@ -88,8 +98,14 @@ pub fn question(seed: u64, kinds: (Kind, Kind)) -> Question {
 }
 
 /// Two forms of these kinds, placed so that they are hard, in any order; with the name of what is hard about them.
-pub(super) fn placed_pair(random: &mut Random, kinds: (Kind, Kind)) -> (&'static str, PlacedSolid, PlacedSolid) {
-    let (category, name) = CATEGORIES[(random.bits() % CATEGORIES.len() as u64) as usize];
+pub(super) fn placed_pair(
+    random: &mut Random,
+    kinds: (Kind, Kind),
+    extreme: Option<&str>,
+) -> (&'static str, PlacedSolid, PlacedSolid) {
+    let any = CATEGORIES[(random.bits() % CATEGORIES.len() as u64) as usize];
+    let named = |extreme| CATEGORIES.into_iter().find(|(_, name)| *name == extreme);
+    let (category, name) = extreme.and_then(named).unwrap_or(any);
     let size = match category {
         Category::Tiny => power_of_ten(random, -8.5, -6.0),
         Category::Huge => power_of_ten(random, 6.0, 8.5),

@@ -10,7 +10,7 @@ use collision::{
 use glam::{DQuat, DVec3};
 
 use super::{ask::geometry as convex_geometry, source};
-use crate::oracle::{Core, Piece, PlacedSolid, Solid, Union};
+use crate::oracle::{Core, Piece, PlacedSolid, Solid, Truth, Union};
 
 /// A form of any class.
 #[derive(Clone, Debug)]
@@ -118,6 +118,17 @@ impl Whole {
     pub fn is_felt_from_all_sides(&self) -> bool {
         matches!(self, Self::Convex(_))
             || matches!(self, Self::Compound(parts) if parts.iter().all(|(part, ..)| part.is_felt_from_all_sides()))
+    }
+
+    /// Whether all of its convex pieces have volume.
+    #[must_use]
+    pub fn has_volume(&self) -> bool {
+        self.union().pieces.iter().all(|piece| {
+            let solid = &piece.solid;
+            let here = PlacedSolid { solid: solid.clone(), position: DVec3::ZERO, rotation: DQuat::IDENTITY };
+            let is_bounded = !matches!(solid.core, Core::HalfSpace { .. });
+            !is_bounded || Truth::of(&here, &here, &[]).nearest() < -THIN * solid.reach()
+        })
     }
 
     /// How many convex pieces a kernel may look at, at most.
@@ -264,6 +275,9 @@ pub(super) fn convex_labels(solid: &Solid) -> Vec<&'static str> {
     let is_rounded = solid.radius > 0.0 && !matches!(solid.core, Core::Point | Core::Segment { .. });
     if is_rounded { vec![kind, "rounded"] } else { vec![kind] }
 }
+
+/// What is as thin as this part of its size may be a sheet.
+const THIN: f64 = 1e-9;
 
 /// Corners from which on stand-ins are made.
 const LARGE: usize = 500;

@@ -46,8 +46,13 @@ pub(super) fn scale_of([a, b]: &[PlacedWhole; 2]) -> f64 {
 /// The question that a seed, a class and a kind name.
 #[must_use]
 pub(super) fn whole_question(seed: u64, class: Class, kind: Kind) -> WholeQuestion {
+    whole_question_at(seed, class, kind, None)
+}
+
+/// The same, hard in a way that is named.
+pub(super) fn whole_question_at(seed: u64, class: Class, kind: Kind, extreme: Option<&'static str>) -> WholeQuestion {
     let mut random = Random::new(seed);
-    let (category, sides) = placed_wholes(&mut random, class, kind);
+    let (category, sides) = placed_wholes(&mut random, class, kind, extreme);
     let s = scale_of(&sides);
     let accuracy = accuracy(&mut random, s);
     let limit = if random.one_in(5) { s * power_of_ten(&mut random, -3.0, 0.5) } else { f64::INFINITY };
@@ -142,10 +147,8 @@ impl Known {
         let unions = question.sides.each_ref().map(|side| side.whole.union());
         let places = question.sides.each_ref().map(place_of);
         let nearest = Union::nearest((&unions[0], &places[0]), (&unions[1], &places[1])).map(|(truth, _)| truth);
-        let held_by = |solid: usize, other: usize| {
-            let point = unions[other].some_point(&places[other]);
-            point.is_some_and(|point| unions[solid].winds_around(&places[solid], point))
-        };
+        let held_by =
+            |solid: usize, other: usize| unions[solid].holds_some_of(&places[solid], &unions[other], &places[other]);
         let s = scale_of(&question.sides);
         let is_off = |least: f64| nearest.as_ref().is_some_and(|truth| truth.is_above(least));
         let is_held = is_off(ON_SURFACE * s) && (held_by(0, 1) || held_by(1, 0));
@@ -224,7 +227,10 @@ fn judge_overlap(question: &WholeQuestion, known: &Known, there: &Answers, back:
     if is_below || known.is_above(bound.upper) {
         answer.fault(FaultKind::Bound, format!("overlap in [{:e}, {:e}]; {}", bound.lower, bound.upper, known.says()));
     }
-    let is_clear = known.is_held || known.is_above(OPEN * known.s) || known.is_below(-OPEN * known.s);
+    let is_off = known.nearest.as_ref().is_some_and(|truth| truth.is_above(OPEN * known.s));
+    // Pieces of a skin have no volume, so what has none either cannot be proved to touch them.
+    let is_sheet = known.is_below(0.0) && question.sides.iter().any(|side| !side.whole.has_volume());
+    let is_clear = is_off || known.is_below(-OPEN * known.s) && !is_sheet;
     match found.verdict {
         Verdict::Hit if known.is_above(0.0) => answer.fault(FaultKind::Verdict, format!("HIT; {}", known.says())),
         Verdict::Miss if known.is_below(0.0) || known.is_held => {

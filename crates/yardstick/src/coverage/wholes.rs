@@ -141,8 +141,14 @@ pub(super) const HARD: [&str; 8] =
     ["generic", "near_touch", "far_offset", "deep_inside", "tiny", "huge", "size_ratio", "concentric"];
 
 /// A concave form and another, with what is hard about them.
-pub(super) fn placed_wholes(random: &mut Random, class: Class, kind: Kind) -> (&'static str, [PlacedWhole; 2]) {
-    let hard = HARD[(random.bits() % HARD.len() as u64) as usize];
+pub(super) fn placed_wholes(
+    random: &mut Random,
+    class: Class,
+    kind: Kind,
+    extreme: Option<&'static str>,
+) -> (&'static str, [PlacedWhole; 2]) {
+    let any = HARD[(random.bits() % HARD.len() as u64) as usize];
+    let hard = extreme.unwrap_or(any);
     let size = match hard {
         "tiny" => power_of_ten(random, -7.5, -6.0),
         "huge" => power_of_ten(random, 6.0, 8.0),

@@ -44,7 +44,10 @@ pub fn meeting(sides: [(&Solid, &Place); 2]) -> Meeting {
     let at = |time: Double| Gap::at(sides, time);
     let mut time = Double::of(0.0);
     let mut here = at(time);
-    let gap_at_start = here.metres(here.lower);
+    // At rest, whose frame is finer than that of a long way.
+    let still = sides.map(|(solid, place)| (solid, Place { displacement: DVec3::ZERO, ..*place }));
+    let rest = Gap::at([(still[0].0, &still[0].1), (still[1].0, &still[1].1)], time);
+    let gap_at_start = rest.metres(rest.lower);
     let never = |free_until: f64| Meeting {
         free_until,
         touching_at: None,
@@ -56,8 +59,8 @@ pub fn meeting(sides: [(&Solid, &Place); 2]) -> Meeting {
     let scaled = |v: DVec3| v.to_array().map(|part| Double::of(times_power_of_two(part, here.exponent)));
     let (of_a, of_b) = (scaled(sides[0].1.displacement), scaled(sides[1].1.displacement));
     let ahead = Vector { x: of_b[0] - of_a[0], y: of_b[1] - of_a[1], z: of_b[2] - of_a[2] };
-    if !here.is_open() {
-        let touching_at = here.is_closed().then_some(0.0);
+    if !rest.is_open() || !here.is_open() {
+        let touching_at = rest.is_closed().then_some(0.0);
         return Meeting { touching_at, touches_at_start: true, ..never(0.0) };
     }
     let length = ahead.length().nearest();

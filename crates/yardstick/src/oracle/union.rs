@@ -101,16 +101,19 @@ impl Union {
         !self.walls.is_empty() && winding_number(&self.walls, local) != 0
     }
 
-    /// Some point of the form, in the world, in f64.
+    /// Whether the walls wind around some piece of another form, which crosses none of them.
     #[must_use]
-    pub fn some_point(&self, place: &Place) -> Option<DVec3> {
-        let piece = self.pieces.first()?;
-        let (position, rotation) = piece.part.unwrap_or((DVec3::ZERO, glam::DQuat::IDENTITY));
-        let local = match &piece.solid.core {
-            super::Core::Hull(points) => *points.first()?,
-            super::Core::HalfSpace { .. } => return None,
-            _ => DVec3::ZERO,
+    pub fn holds_some_of(&self, place: &Place, other: &Self, other_place: &Place) -> bool {
+        let point_of = |piece: &Piece| {
+            let (position, rotation) = piece.part.unwrap_or((DVec3::ZERO, glam::DQuat::IDENTITY));
+            let local = match &piece.solid.core {
+                super::Core::Hull(points) => *points.first()?,
+                super::Core::HalfSpace { .. } => return None,
+                _ => DVec3::ZERO,
+            };
+            let whole = position + rotation.normalize() * local;
+            Some(other_place.position + other_place.rotation.normalize() * whole)
         };
-        Some(place.position + place.rotation.normalize() * (position + rotation.normalize() * local))
+        !self.walls.is_empty() && other.pieces.iter().filter_map(point_of).any(|point| self.winds_around(place, point))
     }
 }

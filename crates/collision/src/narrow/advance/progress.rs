@@ -105,7 +105,9 @@ impl Progress {
         if bend > 0.0 {
             for _ in 0..2 {
                 let there = (proved + free.growth * reach).max(0.0);
-                reach = left.min(0.75 * (2.0 / bend).sqrt() * (proved.sqrt() + there.sqrt()));
+                // Roots of numbers without a unit, so that a scale that is a power of two changes nothing.
+                let roots = (2.0 * proved / bend).sqrt() + (2.0 * there / bend).sqrt();
+                reach = left.min(0.75 * roots);
             }
             reach = reach.min(STEP_TURN_MAX / paces.turn);
         }

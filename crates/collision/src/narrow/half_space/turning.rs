@@ -172,9 +172,10 @@ impl Gaps for Search<'_> {
             return f64::INFINITY;
         }
         let time = to.time - from.time;
-        let root = from.free.sqrt() + to.free.sqrt();
+        // The square of the sum of both roots, by one root of an even power, so that a scale that is a power of two changes nothing.
+        let root_sq = from.free + to.free + 2.0 * (from.free * to.free).sqrt();
         let (straight, bent) = (self.paces.speed * time, self.paces.bend * time * time * 0.5);
-        (straight / (from.free + to.free)).min(bent / (root * root)) * BEND_WIDENING
+        (straight / (from.free + to.free)).min(bent / root_sq) * BEND_WIDENING
     }
 
     fn is_free_to_end(&mut self, from: &Instant) -> bool {
