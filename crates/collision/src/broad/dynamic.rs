@@ -5,7 +5,7 @@
 //! where the node it is in does not grow by much, else it is taken out and put in anew: see `dynamic/links.rs`. What is
 //! inserted waits until the batch is over ([`DynamicTree::settle`]): many at once are worth building their cell anew, by the
 //! builder of static trees, few are put in one at a time. Searches see what waits as well. What moves spoil is mended bit by
-//! bit: see `dynamic/tend.rs`.
+//! bit: see `dynamic/tend.rs`. In large trees a change mostly waits for memory, which [`DynamicTree::read_ahead`] asks for in time.
 //!
 //! The heuristic alone makes chains of boxes that lie in each other, as tall as they are many. A leaf that comes to lie too
 //! deep has the lowest subtree that is too deep for its size built anew, so the depth is at most 4 + 2 log₂ of the most

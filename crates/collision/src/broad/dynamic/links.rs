@@ -2,8 +2,10 @@
 //!
 //! # Method
 //! A leaf is put where the areas of all nodes grow least: into a free lane, or into a new node beside one of the leaves on
-//! the way down (beside a node, all that is below it would come to lie deeper, unseen). Going down, the growth above is known, and below a box no place can cost less than that plus its own growth; so
-//! the descent ends when a place on the way is cheaper. A node that is left with one child gives way to it.
+//! the way down (beside a node, all that is below it would come to lie deeper, unseen). Going down, the growth above is known,
+//! and below a box no place can cost less than that plus its own growth; so the descent ends when a place on the way is
+//! cheaper. A node that is left with one child gives way to it. There are no rotations: what lies badly is built anew, by small
+//! subtrees (`tend.rs`), which finds what rotations find and more.
 
 use smallvec::SmallVec;
 
