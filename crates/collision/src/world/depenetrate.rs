@@ -243,7 +243,9 @@ impl Push<'_> {
         let overlap = Overlap { subject, against, max_hits: CONTACTS_MAX };
         let verdict = self.world.overlap(&overlap, self.filter, self.accuracy, meter)?.verdict;
         let depth = if verdict == Verdict::Miss {
-            Bound::new(depth.lower, depth.upper.min(0.0))
+            // Beyond a gap of 0 is the next number below it, which nobody cares to read.
+            let upper = if depth.upper > -f64::MIN_POSITIVE { 0.0 } else { depth.upper };
+            Bound::new(depth.lower, upper)
         } else if depth.upper < 0.0 {
             // What touches without a contact, such as the back of a one-sided mesh, has no depth that is known.
             Bound::new(0.0, f64::INFINITY)
