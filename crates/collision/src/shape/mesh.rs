@@ -15,7 +15,7 @@ use super::{
     parts::{MadeParts, MeshParts},
 };
 use crate::{
-    broad::StaticTree,
+    broad::{ALL_LAYERS, StaticTree},
     math::{Aabb, expansion::ExactVector},
 };
 
@@ -216,8 +216,8 @@ impl Mesh {
     #[must_use]
     pub fn tree(&self) -> &StaticTree {
         self.tree.get_or_init(|| {
-            let boxes: Vec<Aabb> = (0..self.triangles.len()).map(|index| self.triangle_bounds(index)).collect();
-            StaticTree::build(&boxes)
+            let boxes = (0..self.triangles.len()).map(|index| (self.triangle_bounds(index), ALL_LAYERS));
+            StaticTree::build_on_layers(boxes)
         })
     }
 
