@@ -15,8 +15,11 @@ use crate::{
 pub(super) fn answer(sent: &pb::PenetrationRequest, scene: &Scene) -> Checked<pb::PenetrationResponse> {
     let question = asked::penetration(sent, &scene.session.geometries)?;
     let terms = scene.shared.overridden_by(sent.options.as_ref())?;
+    let brings_mesh = brings_mesh(sent);
+    let alone = brings_mesh.then(|| scene.without_workshop());
+    let scene = alone.as_ref().unwrap_or(scene);
     let asked = scene.ask(&terms, |meter| scene.snapshot.penetration(&question, &terms.filter, &terms.accuracy, meter));
-    let (hits, account) = asked.map_err(|problem| match problem.is(Reason::GeometryNotReady) && brings_mesh(sent) {
+    let (hits, account) = asked.map_err(|problem| match brings_mesh && problem.is(Reason::GeometryNotReady) {
         true => found::parts_of_nobody(),
         false => problem,
     })?;

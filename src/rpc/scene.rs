@@ -133,6 +133,11 @@ impl Scene {
         (Self { shared, touched: Some(touched.clone()), ..self }, touched)
     }
 
+    /// The same where no parts are made for questions.
+    pub(super) fn without_workshop(&self) -> Self {
+        Self { workshop: None, ..self.clone() }
+    }
+
     /// Asks, with a meter that stops at the deadline; notes what is done if the terms say so.
     ///
     /// # Errors
