@@ -77,3 +77,22 @@ fn what_makes_an_interval_wide_says_why_it_ended() {
     }
     assert!(wide > 0, "the law was not put to the test");
 }
+
+/// Of a form beside a terrain, a contact that the budget of the fast tier left open was told as a touch, since the form is below the
+/// plane of a piece of skin.
+#[test]
+fn what_a_budget_leaves_open_is_no_touch_of_a_terrain() {
+    let heights = [-0.2945317, -0.27769175, 0.08775261, 0.29984364, -0.124887176, -0.0350419, 0.21821088, 0.004837382];
+    let spacing = DVec3::new(0.3500012106640288, 1.0, 0.32838195786990104);
+    let land = Geometry::height_field(&Terrain { columns: 4, rows: 2, heights: &heights, spacing, holes: &[1] });
+    let (land, egg) = (
+        land.expect("a terrain"),
+        Geometry::ellipsoid(DVec3::new(0.7273968472353712, 0.5770494891529094, 0.6373196759431823)).expect("sizes"),
+    );
+    let turn = DQuat::from_xyzw(0.6702392323272917, 0.18486366274350458, -0.6638257062275273, 0.2755725483387329);
+    let a = at(&egg, Pose::new(DVec3::new(-1.082658677329967, 0.3339571229426267, -0.13717107077390267), turn));
+    let b = at(&land, Pose::at(DVec3::new(-0.8773748807618494, -0.0876871243808704, -0.471724799884365)));
+    assert_ne!(overlap(a, b, &EXACT, &mut work()).verdict, Verdict::Hit);
+    let contacts = penetration(a, b, 0.0, &Accuracy::of(Tier::Fast), &mut work()).expect("one is convex");
+    assert!(contacts.iter().all(|contact| contact.certificate.verdict != Verdict::Hit), "{contacts:?}");
+}

@@ -294,6 +294,13 @@ fn judge_turning(
         return overlaps;
     }
     let places = question.places();
+    // What is so much smaller than its way touches within the rounding of the oracle's lengths.
+    let way = places[0].displacement.length().max(places[1].displacement.length());
+    let apart = (places[1].position - places[0].position).length();
+    let reach = question.sides.iter().map(|side| side.whole.reach()).sum::<f64>();
+    if apart + reach < 1e-15 * way {
+        return overlaps;
+    }
     let end = touch.map_or(1.0, |touch| touch.certificate.bound.lower);
     let pairs = pairs(unions, &places);
     for [(solid_a, place_a, _), (solid_b, place_b, _)] in &pairs {

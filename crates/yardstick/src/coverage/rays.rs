@@ -71,6 +71,7 @@ pub fn ray_question(seed: u64, kind: Kind) -> RayQuestion {
     let offset = if category == "far_offset" { power_of_ten(random, 3.0, 9.0) } else { 0.0 };
     let offset = random.direction() * offset;
     target.position += offset;
+    let direction = if direction == DVec3::ZERO { random.direction() } else { direction };
     let stretch = if random.one_in(8) { 1e-120 } else { power_of_ten(random, -3.0, 3.0) };
     let ray = limited(random, origin + offset, direction * stretch, reach);
     let category = match (category, style) {

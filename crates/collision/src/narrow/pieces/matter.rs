@@ -167,7 +167,15 @@ pub(super) fn out_of(
     match (is_outward, is_gap, across_gaps) {
         (true, ..) => Some(found),
         (false, true, AcrossGaps::LeaveOut) => None,
-        (false, ..) => below(form, skin, work),
+        (false, ..) => {
+            let is_proved = found.certificate.verdict == Verdict::Hit || across_gaps == AcrossGaps::PushOut;
+            let mut contact = below(form, skin, work)?;
+            // To be below a plane proves no touch of the piece that lies in it.
+            if !is_proved && contact.certificate.verdict == Verdict::Hit {
+                contact.certificate.verdict = Verdict::Undecided;
+            }
+            Some(contact)
+        }
     }
 }
 
