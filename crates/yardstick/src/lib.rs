@@ -4,11 +4,13 @@
 //! # Map
 //! [`sets`] reads a folder of query sets; [`oracle`] knows what is true, slowly;
 //! [`check`] asks, compares and reports; [`coverage`] does so for random questions of every kind;
+//! [`attack`] climbs towards the ends of intervals;
 //! [`ladder`] measures what stands in for geometries; [`scene`] makes worlds for benches, [`scenes`] has the named ones.
 //!
 //! # Never
 //! The oracle never knows the kernels; nothing here knows the server's insides.
 
+pub mod attack;
 pub mod check;
 pub mod coverage;
 pub mod ladder;

@@ -16,6 +16,7 @@ use yardstick::{
 };
 
 use program::{
+    attack::{AttackArguments, attack},
     coverage::{CoverageArguments, cover},
     progress_bar,
 };
@@ -40,6 +41,10 @@ enum Command {
     /// early, with the tables so far. Exits with 1 if an interval misses the truth, an answer is not finite, takes more work
     /// than it may or is wider than it says, or if there are too few answers of some sort; else with 0.
     Coverage(CoverageArguments),
+    /// Climbs over the raw numbers of questions towards the ends of the intervals that answer them, and prints the worst.
+    ///
+    /// Exits with 1 if an answer is wrong.
+    Attack(AttackArguments),
     /// Measures what each stand-in for real assets costs and how wide its intervals are, and prints a table.
     Ladder(LadderArguments),
 }
@@ -74,6 +79,11 @@ fn main() -> ExitCode {
         Command::Ladder(arguments) => {
             let done = ladder::run(&arguments.dir, &mut io::stdout().lock());
             done.map(|()| 0).map_err(|error| error.to_string())
+        }
+        Command::Attack(arguments) => {
+            // Panics of the kernels are wrong answers.
+            std::panic::set_hook(Box::new(|_| {}));
+            attack(&arguments).map_err(|error| error.to_string())
         }
         Command::Coverage(arguments) => cover(&arguments).map_err(|error| error.to_string()),
     };

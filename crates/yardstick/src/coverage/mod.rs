@@ -59,7 +59,7 @@ pub use outcome::{Answer, Asked, Fault, FaultKind, Outcome};
 pub use pairs::{Question, question};
 pub use rays::{RayQuestion, judge_ray, ray_question};
 pub use report::{By, Labels, Report};
-pub use run::{Failure, Settings, examine, examine_ray, run};
+pub use run::{Failure, Settings, answers, examine, examine_ray, first_touch, run, touches};
 pub use state::State;
 pub use tally::{Tally, Widths};
 pub use whole::{PlacedWhole, Whole};

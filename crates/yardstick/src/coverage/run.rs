@@ -12,11 +12,14 @@ use std::{
     time::Instant,
 };
 
+use collision::narrow::{ImpactTouch, RayTouches};
+
 use super::{
-    ask::{Unasked, ask},
+    ask::{Answers, Unasked, ask},
     case::Case,
     forms::Kind,
     judge::judge,
+    moves::{self, MoveQuestion},
     outcome::{Asked, Fault, Outcome},
     pairs::Question,
     rays::{RayQuestion, cast, judge_ray},
@@ -138,6 +141,25 @@ fn ask_case(settings: &Settings, index: u64, report: &mut Report) -> Option<Fail
     let what: Vec<String> = faults.iter().map(|fault| format!("{}: {}", fault.kind.name(), fault.what)).collect();
     let name = format!("coverage_seed_{}_number_{index}", settings.seed);
     Some(Failure { index, source: case.source(&name, &what), faults })
+}
+
+/// What the kernels say of a pair, in both orders; `None` if the crate refuses a form.
+#[must_use]
+pub fn answers(question: &Question) -> Option<[Answers; 2]> {
+    ask(question).ok()
+}
+
+/// What the kernels say of a ray; `None` if the crate refuses the form.
+#[must_use]
+pub fn touches(question: &RayQuestion) -> Option<RayTouches> {
+    cast(question)
+}
+
+/// What the kernels say of a motion, judged; `None` if the crate refuses a form.
+#[must_use]
+pub fn first_touch(question: &MoveQuestion) -> Option<(Outcome, Option<ImpactTouch>)> {
+    let moved = moves::ask(question)?;
+    Some((moves::examine(question)?, moved.there))
 }
 
 /// Asks and judges one ray; `None` if the crate refuses the form.

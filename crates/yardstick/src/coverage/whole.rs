@@ -67,6 +67,15 @@ impl PlacedWhole {
 }
 
 impl Whole {
+    /// The form, if it is convex or a half space.
+    #[must_use]
+    pub fn as_convex(&self) -> Option<&Solid> {
+        match self {
+            Self::Convex(solid) => Some(solid),
+            Self::Mesh { .. } | Self::Field { .. } | Self::Compound(_) => None,
+        }
+    }
+
     /// Its class in reports.
     #[must_use]
     pub fn class(&self) -> &'static str {

@@ -1,5 +1,6 @@
 //! Subcommands that need more than a few lines.
 
+pub(crate) mod attack;
 pub(crate) mod coverage;
 
 use std::{
