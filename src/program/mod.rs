@@ -2,6 +2,8 @@
 
 mod account;
 mod ask;
+#[cfg(feature = "measure")]
+mod bench;
 mod carry;
 mod demo;
 mod explain;
@@ -13,8 +15,12 @@ mod play;
 mod print;
 mod replay_file;
 mod serve;
+#[cfg(feature = "measure")]
+mod stage;
 mod target;
 mod trace;
+#[cfg(feature = "measure")]
+mod tune;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -56,6 +62,12 @@ enum Command {
     Export(carry::Export),
     /// Fills an empty world from a file
     Import(carry::Import),
+    /// Measures what accuracy costs on a scene, with true errors
+    #[cfg(feature = "measure")]
+    Bench(bench::Bench),
+    /// Recommends the cheapest accuracy that is good enough for a scene
+    #[cfg(feature = "measure")]
+    Tune(tune::Tune),
 }
 
 /// Why a command failed, as one sentence for people.
@@ -93,6 +105,10 @@ pub(crate) fn run() -> ExitCode {
             Command::Explain(command) => command.run(&mut out).await,
             Command::Export(command) => command.run(&mut out).await,
             Command::Import(command) => command.run(&mut out).await,
+            #[cfg(feature = "measure")]
+            Command::Bench(command) => command.run(&mut out),
+            #[cfg(feature = "measure")]
+            Command::Tune(command) => command.run(&mut out),
         }
     });
     match done {

@@ -6,6 +6,8 @@ mod carry;
 mod demo;
 mod explain;
 mod load;
+#[cfg(feature = "measure")]
+mod measure;
 mod play;
 mod resume;
 mod stop;

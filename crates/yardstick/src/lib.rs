@@ -4,8 +4,8 @@
 //! # Map
 //! [`sets`] reads a folder of query sets; [`oracle`] knows what is true, slowly;
 //! [`check`] asks, compares and reports; [`coverage`] does so for random questions of every kind;
-//! [`attack`] climbs towards the ends of intervals;
-//! [`ladder`] measures what stands in for geometries; [`scene`] makes worlds for benches, [`scenes`] has the named ones.
+//! [`attack`] climbs towards the ends of intervals; [`ladder`] measures what stands in for geometries; [`scene`] makes worlds
+//! for benches, [`scenes`] has the named ones; [`measure`] measures what accuracy costs on them.
 //!
 //! # Never
 //! The oracle never knows the kernels; nothing here knows the server's insides.
@@ -14,6 +14,7 @@ pub mod attack;
 pub mod check;
 pub mod coverage;
 pub mod ladder;
+pub mod measure;
 pub mod oracle;
 pub mod scene;
 pub mod scenes;

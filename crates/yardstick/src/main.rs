@@ -12,7 +12,7 @@ use std::{
 use clap::{Parser, Subcommand};
 use yardstick::{
     check::{Asker, CrateAsker, Known, Reporting, ServerAsker, check_folder},
-    ladder,
+    ladder, measure,
 };
 
 use program::{
@@ -47,6 +47,20 @@ enum Command {
     Attack(AttackArguments),
     /// Measures what each stand-in for real assets costs and how wide its intervals are, and prints a table.
     Ladder(LadderArguments),
+    /// Measures what accuracy costs on all scenes and writes it into a folder: accuracy.md, and plots in accuracy/.
+    Accuracy(AccuracyArguments),
+}
+
+#[derive(clap::Args)]
+struct AccuracyArguments {
+    /// The folder, such as docs.
+    folder: PathBuf,
+    /// The folder with the query sets; else that of CALIPERS_DATA.
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// How many questions of each kind.
+    #[arg(long, value_name = "COUNT", default_value_t = 40)]
+    count: usize,
 }
 
 #[derive(clap::Args)]
@@ -85,6 +99,7 @@ fn main() -> ExitCode {
             std::panic::set_hook(Box::new(|_| {}));
             attack(&arguments).map_err(|error| error.to_string())
         }
+        Command::Accuracy(arguments) => account(&arguments).map_err(|error| error.to_string()),
         Command::Coverage(arguments) => cover(&arguments).map_err(|error| error.to_string()),
     };
     match done {
@@ -94,6 +109,19 @@ fn main() -> ExitCode {
             ExitCode::from(EXIT_NOT_UNDERSTOOD)
         }
     }
+}
+
+fn account(arguments: &AccuracyArguments) -> Result<u8, measure::DocumentError> {
+    let usual = || std::env::var_os("CALIPERS_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
+    let data = arguments.data.clone().unwrap_or_else(usual);
+    let bar = progress_bar();
+    measure::document(&arguments.folder, &data, arguments.count, &mut |done, all, what| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+        bar.set_message(what.to_owned());
+    })?;
+    bar.finish_and_clear();
+    Ok(0)
 }
 
 fn check(arguments: &CheckArguments) -> Result<u8, String> {

@@ -56,7 +56,7 @@ pub(super) fn arena(random: &mut Random) -> Result<Scene, GeometryError> {
 pub(super) fn debris(random: &mut Random) -> Result<Scene, GeometryError> {
     let mut kinds = Vec::new();
     for _ in 0..3 {
-        kinds.push(bodies::rock(random, 12, 1.5)?);
+        kinds.push(bodies::rock(random, 8, 1.5)?);
         kinds.push(bodies::pebble(random, 64, 1.0)?);
         kinds.push(bodies::pebble(random, 800, 1.6)?);
     }
@@ -118,6 +118,7 @@ pub(super) fn columns(random: &mut Random) -> Result<Scene, GeometryError> {
         let at = DVec3::new(random.uniform(-29.0, 29.0), -3.1, random.uniform(-21.0, 21.0));
         items.push(moving(&visitor, Pose::at(at)));
     }
-    let subjects = vec![visitor, Arc::new(Geometry::cuboid(DVec3::new(0.8, 0.4, 0.5))?), bodies::rock(random, 8, 0.6)?];
+    let subjects =
+        vec![visitor, Arc::new(Geometry::cuboid(DVec3::new(0.8, 0.4, 0.5))?), bodies::pebble(random, 40, 0.6)?];
     Ok(Scene { name: "columns".into(), items, subjects, size: 1.0 })
 }
