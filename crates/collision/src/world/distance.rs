@@ -50,6 +50,10 @@ impl Hit for Neighbor {
     fn certificate(&self) -> &Certificate {
         &self.separation.certificate
     }
+
+    fn certificate_mut(&mut self) -> &mut Certificate {
+        &mut self.separation.certificate
+    }
 }
 
 impl Distance {

@@ -8,7 +8,7 @@
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
-use super::{Found, HitMode, ShapeId};
+use super::{Found, HitMode, ShapeId, first::First};
 use crate::answer::{Certificate, Verdict};
 
 /// A hit that has a value to be ordered by.
@@ -19,6 +19,8 @@ pub(super) trait Hit {
     fn id(&self) -> Option<ShapeId>;
     /// What the value is worth.
     fn certificate(&self) -> &Certificate;
+    /// The same, to be widened.
+    fn certificate_mut(&mut self) -> &mut Certificate;
     /// Whether it blocks nothing.
     fn is_pierced(&self) -> bool {
         false
@@ -26,7 +28,7 @@ pub(super) trait Hit {
 }
 
 /// By value, equal ones by id.
-fn order<H: Hit>(a: &H, b: &H) -> Ordering {
+pub(super) fn order<H: Hit>(a: &H, b: &H) -> Ordering {
     a.value().total_cmp(&b.value()).then_with(|| a.id().cmp(&b.id()))
 }
 
@@ -114,12 +116,10 @@ impl<H: Hit> Best<H> {
 pub(super) enum Gathered<H> {
     /// As [`HitMode::Closest`].
     Closest {
-        /// The certain hit of least value.
-        certain: Option<H>,
+        /// The first certain one.
+        certain: First<H>,
         /// Those that may come before it.
         undecided: Vec<H>,
-        /// The least upper bound of all certain hits.
-        limit: f64,
     },
     /// As [`HitMode::Any`].
     Any {
@@ -132,14 +132,12 @@ pub(super) enum Gathered<H> {
     All(Best<H>),
     /// As [`HitMode::Pierce`].
     Pierce {
-        /// The certain blocker of least value.
-        blocker: Option<H>,
+        /// The first certain blocker.
+        blocker: First<H>,
         /// What may come before it, with one more, which says that there are more.
         before: Best<Beginning<H>>,
         /// What may block, if nothing surely does.
         open: Openness,
-        /// The least upper bound of all certain blockers.
-        limit: f64,
     },
 }
 
@@ -147,12 +145,12 @@ impl<H: Hit> Gathered<H> {
     /// Nothing yet.
     pub(super) fn new(mode: HitMode) -> Self {
         match mode {
-            HitMode::Closest => Self::Closest { certain: None, undecided: Vec::new(), limit: f64::INFINITY },
+            HitMode::Closest => Self::Closest { certain: First::new(), undecided: Vec::new() },
             HitMode::Any => Self::Any { certain: None, undecided: Vec::new() },
             HitMode::All(most) => Self::All(Best::new(most.saturating_add(1))),
             HitMode::Pierce { most, .. } => {
                 let before = Best::new(most.saturating_add(1));
-                Self::Pierce { blocker: None, before, open: Openness::Nothing, limit: f64::INFINITY }
+                Self::Pierce { blocker: First::new(), before, open: Openness::Nothing }
             }
         }
     }
@@ -160,12 +158,9 @@ impl<H: Hit> Gathered<H> {
     /// Takes what was found on one shape: a certain hit, and an undecided one that may come before it.
     pub(super) fn add(&mut self, found_certain: Option<H>, found_undecided: Option<H>) {
         match self {
-            Self::Closest { certain, undecided, limit } => {
+            Self::Closest { certain, undecided } => {
                 undecided.extend(found_undecided);
-                if let Some(hit) = found_certain {
-                    *limit = limit.min(hit.certificate().bound.upper);
-                    keep_first(certain, hit);
-                }
+                found_certain.into_iter().for_each(|hit| certain.add(hit));
             }
             Self::Any { certain, undecided } => {
                 undecided.extend(found_undecided);
@@ -176,7 +171,7 @@ impl<H: Hit> Gathered<H> {
                     best.add(hit);
                 }
             }
-            Self::Pierce { blocker, before, open, limit } => match found_certain {
+            Self::Pierce { blocker, before, open } => match found_certain {
                 Some(hit) if hit.is_pierced() => before.add(Beginning(hit)),
                 certain => {
                     if let Some(hit) = found_undecided {
@@ -185,10 +180,7 @@ impl<H: Hit> Gathered<H> {
                         }
                         before.add(Beginning(hit));
                     }
-                    if let Some(hit) = certain {
-                        *limit = limit.min(hit.certificate().bound.upper);
-                        keep_first(blocker, hit);
-                    }
+                    certain.into_iter().for_each(|hit| blocker.add(hit));
                 }
             },
         }
@@ -197,7 +189,7 @@ impl<H: Hit> Gathered<H> {
     /// What lies surely beyond this need not be looked at.
     pub(super) fn limit(&self) -> f64 {
         match self {
-            Self::Closest { limit, .. } | Self::Pierce { limit, .. } => *limit,
+            Self::Closest { certain: first, .. } | Self::Pierce { blocker: first, .. } => first.limit(),
             Self::Any { certain: Some(_), .. } => f64::NEG_INFINITY,
             Self::Any { certain: None, .. } => f64::INFINITY,
             Self::All(best) => best.limit(),
@@ -207,11 +199,11 @@ impl<H: Hit> Gathered<H> {
     /// The answer.
     pub(super) fn finish(self) -> Found<H> {
         let (hits, truncated) = match self {
-            Self::Pierce { blocker, before, open, limit } => return finish_pierced(blocker, before, open, limit),
-            Self::Closest { certain, mut undecided, limit } => {
-                undecided.retain(|hit| hit.certificate().bound.lower < limit);
+            Self::Pierce { blocker, before, open } => return finish_pierced(blocker, before, open),
+            Self::Closest { certain, mut undecided } => {
+                undecided.retain(|hit| hit.certificate().bound.lower < certain.limit());
                 undecided.sort_by(order);
-                undecided.extend(certain);
+                undecided.extend(certain.into_named());
                 (undecided, false)
             }
             Self::Any { certain: Some(certain), .. } => (vec![certain], false),
@@ -231,7 +223,8 @@ impl<H: Hit> Gathered<H> {
     }
 }
 
-fn finish_pierced<H: Hit>(blocker: Option<H>, before: Best<Beginning<H>>, open: Openness, limit: f64) -> Found<H> {
+fn finish_pierced<H: Hit>(blocker: First<H>, before: Best<Beginning<H>>, open: Openness) -> Found<H> {
+    let (limit, blocker) = (blocker.limit(), blocker.into_named());
     let most = before.most - 1;
     let mut hits: Vec<H> = before.into_sorted().into_iter().map(|Beginning(hit)| hit).collect();
     // What lies behind was offered or not, as it came; it begins after all that does not.
@@ -272,12 +265,9 @@ impl<H: Hit> Hit for Beginning<H> {
     fn certificate(&self) -> &Certificate {
         self.0.certificate()
     }
-}
 
-/// Keeps the one of least value.
-fn keep_first<H: Hit>(first: &mut Option<H>, hit: H) {
-    if first.as_ref().is_none_or(|best| order(&hit, best).is_lt()) {
-        *first = Some(hit);
+    fn certificate_mut(&mut self) -> &mut Certificate {
+        self.0.certificate_mut()
     }
 }
 
@@ -309,6 +299,10 @@ mod tests {
 
         fn certificate(&self) -> &Certificate {
             &self.certificate
+        }
+
+        fn certificate_mut(&mut self) -> &mut Certificate {
+            &mut self.certificate
         }
 
         fn is_pierced(&self) -> bool {
@@ -361,7 +355,7 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 33) % below
         };
-        let mut several = 0;
+        let (mut several, mut several_certain) = (0, 0);
         for _ in 0..3000 {
             let mut touches: Vec<Touch> = (1..=2 + next(7)).map(|number| touch(number, &mut next)).collect();
             let pierce = |most| HitMode::Pierce { layers: 0, most };
@@ -371,11 +365,27 @@ mod tests {
                 for last in (1..touches.len()).rev() {
                     touches.swap(last, next(last as u64 + 1) as usize);
                 }
+                if mode == HitMode::Closest {
+                    several_certain += usize::from(reaches_to_the_first(&first, &touches));
+                }
                 let second = gather(mode, &touches);
                 assert_eq!(first.hits, second.hits, "{mode:?} of {touches:?}");
                 assert_eq!((first.verdict, first.truncated), (second.verdict, second.truncated));
             }
         }
-        assert!(several > 3000, "vacuous: {several}");
+        assert!(several > 3000 && several_certain > 200, "vacuous: {several}, {several_certain}");
+    }
+
+    /// Checks that the interval of the closest certain hit holds the first of all certain ones, wherever in their intervals they are;
+    /// returns whether another might come before it.
+    fn reaches_to_the_first(found: &Found<Touch>, touches: &[Touch]) -> bool {
+        let bounds = |touch: &Touch| (touch.certificate.bound.lower.max(touch.least), touch.certificate.bound.upper);
+        let certain = || touches.iter().filter(|touch| touch.certificate.verdict == Verdict::Hit);
+        let Some(named) = found.hits.last().filter(|hit| hit.certificate.verdict == Verdict::Hit) else { return false };
+        let earliest = certain().map(|touch| bounds(touch).0).fold(f64::INFINITY, f64::min);
+        let latest = certain().map(|touch| bounds(touch).1.max(touch.least)).fold(f64::INFINITY, f64::min);
+        let bound = named.certificate.bound;
+        assert!(bound.lower <= earliest && latest <= bound.upper, "{named:?} of {touches:?}");
+        certain().any(|touch| touch.id == named.id && bound.lower < bounds(touch).0)
     }
 }

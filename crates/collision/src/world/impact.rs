@@ -65,6 +65,10 @@ impl Hit for Impact {
         &self.touch.certificate
     }
 
+    fn certificate_mut(&mut self) -> &mut Certificate {
+        &mut self.touch.certificate
+    }
+
     fn is_pierced(&self) -> bool {
         self.pierced
     }

@@ -12,6 +12,7 @@ mod directory;
 mod distance;
 mod edit;
 mod filter;
+mod first;
 mod first_touch;
 mod history;
 mod hits;

@@ -48,6 +48,10 @@ impl Hit for OverlapHit {
     fn certificate(&self) -> &Certificate {
         &self.certificate
     }
+
+    fn certificate_mut(&mut self) -> &mut Certificate {
+        &mut self.certificate
+    }
 }
 
 impl Snapshot {

@@ -53,6 +53,10 @@ impl Hit for RayHit {
         &self.touch.certificate
     }
 
+    fn certificate_mut(&mut self) -> &mut Certificate {
+        &mut self.touch.certificate
+    }
+
     fn is_pierced(&self) -> bool {
         self.pierced
     }
