@@ -75,7 +75,7 @@ async fn run(shape_count: u64, time: Duration, only: &str) -> Result<usize, Fail
     let scene = Scene::new(shape_count, &mut dice);
     let rays = scene.rays(8192, &mut dice);
     let library = scene.library(&rays)?;
-    let (alone, hit_share) = library.ray()?;
+    let (alone, hit_share) = library.ray(time)?;
     writeln!(
         out,
         "{shape_count} shapes in a cube of {:.1} m, rays of {RAY_LENGTH} m, {:.0} % hit\n",
@@ -150,7 +150,7 @@ async fn all(
     for _ in 0..ROUNDS {
         of_echo = better(of_echo, load::run(echo, way, rays, time).await?);
         of_real = better(of_real, load::run(real, way, rays, time).await?);
-        library_ns = library_ns.min(library.ray()?.0.as_nanos() as f64);
+        library_ns = library_ns.min(library.ray(time)?.0.as_nanos() as f64);
     }
     Ok((of_echo, of_real, library_ns))
 }

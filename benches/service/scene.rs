@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use calipers_client::{Client, EditWriter, ask, proto, shape};
 use collision::{
@@ -137,22 +137,20 @@ pub(crate) struct Library {
 }
 
 impl Library {
-    /// Asks all rays some times; returns what one costs at best, and the share that hits.
-    pub(crate) fn ray(&self) -> Result<(Duration, f64), Failure> {
+    /// Asks all rays for some time, again and again; returns what one costs, and the share that hits.
+    pub(crate) fn ray(&self, time: Duration) -> Result<(Duration, f64), Failure> {
         let mut keep_going = || true;
-        let (mut best, mut hits) = (Duration::MAX, 0);
-        for _ in 0..5 {
-            hits = 0;
-            let began = thread_cpu()?;
+        let (began, cpu_before) = (Instant::now(), thread_cpu()?);
+        let (mut count, mut hits) = (0_u32, 0);
+        while began.elapsed() < time {
             for question in &self.questions {
                 let meter = &mut Meter::new(&mut keep_going);
                 let found = self.world.raycast(question, &Filter::default(), &Accuracy::default(), meter)?;
-                hits += usize::from(!found.hits.is_empty());
+                hits += u32::from(!found.hits.is_empty());
             }
-            best = best.min(thread_cpu()? - began);
+            count += u32::try_from(self.questions.len())?;
         }
-        let count = u32::try_from(self.questions.len())?;
-        Ok((best / count, hits as f64 / f64::from(count)))
+        Ok(((thread_cpu()? - cpu_before) / count.max(1), f64::from(hits) / f64::from(count.max(1))))
     }
 }
 
