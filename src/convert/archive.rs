@@ -168,23 +168,31 @@ struct Arriving {
     indices: Vec<u32>,
 }
 
+/// Checks how many numbers a header promises.
+///
+/// # Errors
+/// More than a geometry may have.
+pub(crate) fn within(field: &str, count: u64, most: u64) -> Checked<()> {
+    if count <= most {
+        return Ok(());
+    }
+    let what = format!("is {count}: at most {most} are allowed, so make several geometries of it");
+    Err(Problem::at(field, Reason::TooManyItems, what))
+}
+
+/// Numbers that room is made for at once, of so many that a header promises.
+pub(crate) fn room(count: u64) -> usize {
+    usize::try_from(count).unwrap_or(usize::MAX).min(ROOM)
+}
+
 impl Arriving {
     /// With what its header says.
     ///
     /// # Errors
     /// It promises more than a geometry may have.
     fn begin(header: pb::GeometryHeader) -> Checked<Self> {
-        let within = |field: &str, count: u64, most: u64| match count <= most {
-            true => Ok(()),
-            false => Err(Problem::at(
-                field,
-                Reason::TooManyItems,
-                format!("is {count}: at most {most} are allowed, so make several geometries of it"),
-            )),
-        };
         within("header.value_count", header.value_count, VALUES)?;
         within("header.index_count", header.index_count, INDICES)?;
-        let room = |count: u64| usize::try_from(count).unwrap_or(usize::MAX).min(ROOM);
         Ok(Self {
             values: Vec::with_capacity(room(header.value_count)),
             indices: Vec::with_capacity(room(header.index_count)),

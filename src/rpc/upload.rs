@@ -14,7 +14,7 @@ use wire::v1::{self as pb, geometry::Kind, geometry_piece::Piece};
 use super::{Caller, Server, geometry::register};
 use crate::{
     compute::{self, Weight},
-    convert::archive::{INDICES, VALUES},
+    convert::archive::{INDICES, VALUES, room, within},
     gate::the_api_says,
     problem::{Checked, Problem, Reason, Under},
     session::Session,
@@ -23,8 +23,6 @@ use crate::{
 
 /// A client that sends no piece for so long is given up.
 const WRITER_PATIENCE: Duration = Duration::from_secs(30);
-/// Room that is made before the numbers are there; what is only promised takes none.
-const ROOM: usize = 1 << 18;
 
 /// Registers the geometry that a client sends in pieces.
 ///
@@ -115,17 +113,8 @@ impl Upload {
             let what = format!("holds {} numbers: its lists must be empty here and come in chunks", values + indices);
             return Err(Problem::at("geometry", Reason::BadGeometry, what));
         }
-        let within = |field: &str, count: u64, most: u64| match count <= most {
-            true => Ok(()),
-            false => Err(Problem::at(
-                field,
-                Reason::TooManyItems,
-                format!("is {count}: at most {most} are allowed, so make several geometries of it"),
-            )),
-        };
         within("value_count", header.value_count, VALUES)?;
         within("index_count", header.index_count, INDICES)?;
-        let room = |count: u64| usize::try_from(count).unwrap_or(usize::MAX).min(ROOM);
         let (values, indices) = (room(header.value_count), room(header.index_count));
         Ok(Self { header, values: Vec::with_capacity(values), indices: Vec::with_capacity(indices) })
     }
