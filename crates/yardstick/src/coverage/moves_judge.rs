@@ -4,6 +4,8 @@
 //! Without turns the oracle knows the first touch of each pair of convex pieces. With turns it looks for an overlap before the
 //! answer's interval, and for one at its end, which is how the answer proves its touch.
 
+use std::collections::BTreeMap;
+
 use collision::{
     accuracy::Tier,
     answer::{Stop, Verdict},
@@ -124,10 +126,8 @@ fn is_met(whole: &Whole, index: usize, place: &Place, way: DVec3, towards_other:
     if closing.abs() > LEAN && facing.abs() > LEAN_OF_NORMAL { Some(closing > 0.0 && facing > 0.0) } else { None }
 }
 
-/// What leans less than this towards a front or away from it may be either.
+/// What leans less than this towards a front or away from it may be either; the same of a normal, which the oracle knows less well.
 const LEAN: f64 = 1e-6;
-
-/// The same of a normal, which the oracle does not know better.
 const LEAN_OF_NORMAL: f64 = 0.1;
 
 fn first(question: &MoveQuestion, unions: &[Union; 2]) -> First {
@@ -141,6 +141,8 @@ fn first(question: &MoveQuestion, unions: &[Union; 2]) -> First {
         cosine: 1.0,
         is_open: false,
     };
+    // Of each triangle the last time at which it is met from its front, and the first from its back.
+    let mut met_at: BTreeMap<(usize, usize), (f64, f64)> = BTreeMap::new();
     for [(solid_a, place_a, a), (solid_b, place_b, b)] in pairs(unions, &places) {
         let met = meeting([(solid_a, &place_a), (solid_b, &place_b)]);
         if met.free_until > 1.0 {
@@ -153,6 +155,10 @@ fn first(question: &MoveQuestion, unions: &[Union; 2]) -> First {
         let normal = met.normal_a_to_b;
         let of_a = is_met(sides[0], a, &place_a, way, normal);
         let of_b = is_met(sides[1], b, &place_b, -way, -normal);
+        for (triangle, is_met) in [((0, a), of_a), ((1, b), of_b)] {
+            let (front, back) = met_at.entry(triangle).or_insert((f64::NEG_INFINITY, f64::INFINITY));
+            if is_met == Some(false) { *back = back.min(met.free_until) } else { *front = front.max(met.free_until) }
+        }
         let is_space = |solid: &Solid| matches!(solid.core, Core::HalfSpace { .. });
         match (of_a, of_b) {
             // A half space is felt by either side of a triangle.
@@ -173,6 +179,8 @@ fn first(question: &MoveQuestion, unions: &[Union; 2]) -> First {
             (one, other) => one.or(other),
         };
     }
+    // What is touched from its back first is passed over for the rest of the motion, by all of the other form.
+    first.is_open |= met_at.values().any(|(front, back)| back <= front);
     first
 }
 
