@@ -257,11 +257,7 @@ impl Arriving {
                 let hull = made("hull", Geometry::hull(&points(&values)?));
                 hull.and_then(|hull| dressed(hull, &form)).map(ToRegister::Whole)
             }
-            Some(Kind::Mesh(mesh)) => {
-                let (mode, points) = (mode_of(mesh).under("mesh")?, points(&values)?);
-                let made = |mesh: &pb::TriangleMesh| self::mesh(mode, &points, &indices, mesh);
-                made(mesh)
-            }
+            Some(Kind::Mesh(sent)) => mesh(mode_of(sent).under("mesh")?, &points(&values)?, &indices, sent),
             Some(Kind::HeightField(field)) => {
                 field.heights = values.iter().map(|&value| value as f32).collect();
                 field.holes = indices;

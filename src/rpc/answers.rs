@@ -1,6 +1,9 @@
 //! The answers of a call that streams: they wait in a short queue for their reader, and what ends the call comes last.
 
-use tokio::{sync::mpsc, time::timeout};
+use tokio::{
+    sync::mpsc::{self, error::TrySendError},
+    time::timeout,
+};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Status;
 
@@ -24,4 +27,29 @@ where
         }
     });
     Box::pin(ReceiverStream::new(unread))
+}
+
+/// What became of an answer that was handed to its reader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Handed {
+    /// It waits for its reader, or is read.
+    Over,
+    /// The reader has gone.
+    Gone,
+    /// The reader made no room for it in its time.
+    TooSlow,
+}
+
+/// Hands an answer to its reader, who is waited for; one that keeps up costs no timer.
+pub(super) async fn hand<T>(answers: &Unread<T>, answer: T) -> Handed {
+    let answer = match answers.try_send(Ok(answer)) {
+        Ok(()) => return Handed::Over,
+        Err(TrySendError::Closed(_)) => return Handed::Gone,
+        Err(TrySendError::Full(answer)) => answer,
+    };
+    match timeout(READER_PATIENCE, answers.send(answer)).await {
+        Ok(Ok(())) => Handed::Over,
+        Ok(Err(_)) => Handed::Gone,
+        Err(_) => Handed::TooSlow,
+    }
 }

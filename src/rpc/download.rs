@@ -3,12 +3,16 @@
 use std::sync::Arc;
 
 use collision::shape::Geometry;
-use tokio::{sync::mpsc, time::timeout};
+use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 use wire::v1::{self as pb, geometry_piece::Piece};
 
-use super::{Answers, Caller, READER_PATIENCE, Server, fitting};
+use super::{
+    Answers, Caller, Server,
+    answers::{Handed, Unread, hand},
+    fitting,
+};
 use crate::{
     convert::lists::{Lists, header_out},
     token::Role,
@@ -48,9 +52,9 @@ pub(super) fn answer(
 }
 
 /// Whether the reader has room for a piece before its time is over, and is there at all.
-async fn is_taken(parts: &mpsc::Sender<Result<pb::DownloadGeometryResponse, Status>>, piece: Piece) -> bool {
+async fn is_taken(parts: &Unread<pb::DownloadGeometryResponse>, piece: Piece) -> bool {
     let piece = pb::DownloadGeometryResponse { piece: Some(pb::GeometryPiece { piece: Some(piece) }) };
-    matches!(timeout(READER_PATIENCE, parts.send(Ok(piece))).await, Ok(Ok(())))
+    hand(parts, piece).await == Handed::Over
 }
 
 /// The numbers, piece by piece: first all values, then all indices.

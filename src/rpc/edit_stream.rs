@@ -9,14 +9,13 @@ use std::sync::Arc;
 
 use collision::world::{Edit, EditRule, Swept};
 use prost::Message;
-use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
 use tonic::{Request, Status, Streaming};
 use wire::v1 as pb;
 
 use super::{
-    Answers, Caller, READER_PATIENCE, Server,
-    answers::{Unread, stream},
+    Answers, Caller, Server,
+    answers::{Handed, Unread, hand, stream},
     edit::{check_durability, when},
 };
 use crate::{
@@ -309,10 +308,10 @@ fn not_before_the_newest(when: When, sequence: u64, writer: &Writer, pending: &m
 }
 
 async fn send(answers: &Unread<pb::EditStreamResponse>, answer: pb::EditStreamResponse) -> Result<(), Status> {
-    match timeout(READER_PATIENCE, answers.send(Ok(answer))).await {
-        Ok(Ok(())) => Ok(()),
-        Ok(Err(_)) => Err(Status::cancelled("the client has gone")),
-        Err(_) => {
+    match hand(answers, answer).await {
+        Handed::Over => Ok(()),
+        Handed::Gone => Err(Status::cancelled("the client has gone")),
+        Handed::TooSlow => {
             let what = "the client took no acknowledgement for 10 s: read them, and resume";
             Err(Problem::new(Reason::Overloaded, what).into())
         }

@@ -11,13 +11,12 @@ use collision::{
     world::{ShapeId, Snapshot},
 };
 use prost::Message;
-use tokio::time::timeout;
 use tonic::{Request, Response, Status};
 use wire::v1::{self as pb, world_piece::Piece};
 
 use super::{
-    Answers, Caller, MESSAGE_BYTES, READER_PATIENCE, Server,
-    answers::{Unread, stream},
+    Answers, Caller, MESSAGE_BYTES, Server,
+    answers::{Handed, Unread, hand, stream},
 };
 use crate::{
     compute::{self, Weight},
@@ -75,14 +74,12 @@ async fn send(mut pieces: Pieces, answers: &Unread<pb::ExportWorldResponse>) -> 
         .await?;
         pieces = rest;
         let Some(piece) = made else { return Ok(()) };
-        match timeout(READER_PATIENCE, answers.send(Ok(pb::ExportWorldResponse { piece: Some(piece) }))).await {
-            Ok(Ok(())) => {}
-            Ok(Err(_)) => return Ok(()),
-            Err(_) => {
-                return Err(Problem::new(
-                    Reason::Overloaded,
-                    "the client took no piece for 10 s: export again, and read on",
-                ));
+        match hand(answers, pb::ExportWorldResponse { piece: Some(piece) }).await {
+            Handed::Over => {}
+            Handed::Gone => return Ok(()),
+            Handed::TooSlow => {
+                let what = "the client took no piece for 10 s: export again, and read on";
+                return Err(Problem::new(Reason::Overloaded, what));
             }
         }
     }
@@ -108,8 +105,13 @@ impl Chain {
 
     /// As it is sent.
     pub(super) fn text(&self) -> String {
-        self.0.to_hex().to_string()
+        hex(*self.0.as_bytes())
     }
+}
+
+/// A hash as it is sent.
+pub(super) fn hex(hash: [u8; 32]) -> String {
+    blake3::Hash::from_bytes(hash).to_hex().to_string()
 }
 
 /// The pieces of a version that are still to be sent.
@@ -201,10 +203,7 @@ impl Pieces {
             self.stage = Stage::End;
         }
         match std::mem::replace(&mut self.stage, Stage::Done) {
-            Stage::End => {
-                let content_hash = blake3::Hash::from_bytes(self.snapshot.content_hash()).to_hex().to_string();
-                Some(Piece::End(pb::WorldEnd { content_hash }))
-            }
+            Stage::End => Some(Piece::End(pb::WorldEnd { content_hash: hex(self.snapshot.content_hash()) })),
             Stage::Shapes(_) | Stage::Done => None,
         }
     }

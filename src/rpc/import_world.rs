@@ -5,7 +5,7 @@
 //! has come, and its hash of the content is that of what was put together, does the world become that, between two edits.
 //! Whatever fails before leaves nothing behind.
 
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 
 use collision::{
     shape::Geometry,
@@ -15,7 +15,10 @@ use tokio::time::timeout;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1::{self as pb, world_piece::Piece};
 
-use super::{Caller, Server, export_world::Chain};
+use super::{
+    Caller, Server, WRITER_PATIENCE,
+    export_world::{Chain, hex},
+};
 use crate::{
     building::{Building, Workshop},
     compute::{self, Weight},
@@ -27,9 +30,6 @@ use crate::{
     session::Session,
     token::Role,
 };
-
-/// A client that sends no piece for so long is given up.
-const WRITER_PATIENCE: Duration = Duration::from_secs(30);
 
 /// Takes a world in.
 ///
@@ -84,10 +84,6 @@ pub(super) async fn answer(
         })
     });
     Ok(Response::new(response.await?))
-}
-
-fn hex(hash: [u8; 32]) -> String {
-    blake3::Hash::from_bytes(hash).to_hex().to_string()
 }
 
 /// What has come of an export.
@@ -160,9 +156,7 @@ impl Import {
                 Err(out_of_place("piece.header", "comes a second time: an export is of one world"))
             }
             Some(Piece::Geometry(piece)) if self.shapes.is_empty() => {
-                let workshop = &self.workshop;
-                let cut = |building: &Building| workshop.made(building).map(|made| Geometry::clone(&made));
-                self.intake.take(piece, &self.geometries, &cut).under("piece")
+                self.intake.take(piece, &self.geometries, &cut(&self.workshop)).under("piece")
             }
             Some(Piece::Geometry(_)) => {
                 Err(out_of_place("piece.geometry", "comes after shapes: geometries come before"))
@@ -199,9 +193,7 @@ impl Import {
 
     /// Ends the geometries, of which there must be as many as were promised.
     fn end_geometries(&mut self) -> Checked<()> {
-        let workshop = &self.workshop;
-        let cut = |building: &Building| workshop.made(building).map(|made| Geometry::clone(&made));
-        let found = self.intake.end(&self.geometries, &cut).under("piece")?;
+        let found = self.intake.end(&self.geometries, &cut(&self.workshop)).under("piece")?;
         let promised = self.header.as_ref().map_or(0, |header| header.geometry_count);
         match found == promised {
             true => Ok(()),
@@ -251,6 +243,11 @@ impl Import {
         }
         Ok((world, self.geometries))
     }
+}
+
+/// Makes convex parts as they are made for all others.
+fn cut(workshop: &Workshop) -> impl Fn(&Building) -> Checked<Geometry> {
+    |building| workshop.made(building).map(|made| Geometry::clone(&made))
 }
 
 fn damaged(field: &str, what: String) -> Problem {

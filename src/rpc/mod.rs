@@ -78,6 +78,9 @@ pub(crate) const MESSAGE_BYTES: usize = 4 * 1024 * 1024;
 /// A client that takes nothing of an answer for so long is cut off.
 const READER_PATIENCE: Duration = Duration::from_secs(10);
 
+/// A client that sends no piece of what it has begun for so long is given up.
+const WRITER_PATIENCE: Duration = Duration::from_secs(30);
+
 /// The answers of a call that streams.
 type Answers<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 

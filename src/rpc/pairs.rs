@@ -10,14 +10,15 @@ use collision::{
     answer::Verdict,
     world::{Found, Pair, Snapshot, Tick},
 };
-use tokio::{sync::mpsc, time::timeout};
+use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
 
 use super::{
-    Answers, Caller, READER_PATIENCE, Server,
+    Answers, Caller, Server,
     account::Account,
+    answers::{Handed, hand},
     scene::{Scene, Terms},
 };
 use crate::{
@@ -57,7 +58,7 @@ pub(super) async fn answer(
     tokio::spawn(async move {
         for part in messages(&pairs, &scene, &terms, account) {
             // A reader that has gone, or takes nothing, lets the list go.
-            let Ok(Ok(())) = timeout(READER_PATIENCE, parts.send(Ok(part))).await else { return };
+            let Handed::Over = hand(&parts, part).await else { return };
         }
     });
     Ok(Response::new(Box::pin(ReceiverStream::new(unread))))

@@ -7,13 +7,12 @@
 
 use std::sync::Arc;
 
-use tokio::{sync::mpsc::error::TrySendError, time::timeout};
 use tonic::{Request, Status, Streaming};
 use wire::v1::{self as pb, query_stream_request::Request as Asked, query_stream_response::Response as Answered};
 
 use super::{
-    Answers, Caller, READER_PATIENCE, Server,
-    answers::{Unread, stream},
+    Answers, Caller, Server,
+    answers::{Handed, Unread, hand, stream},
     batch, distance_batch, fitting, line_of_sight, overlap_batch, question, raycast_batch,
     scene::{Asking, Scene},
     time_of_impact_batch,
@@ -59,21 +58,12 @@ async fn run(
         let Some(message) = message else { return Ok(()) };
         turns.next().await?;
         let answer = answer(server, caller, message).await;
-        // A reader that keeps up costs no timer.
-        let answer = match answers.try_send(Ok(answer)) {
-            Ok(()) => continue,
-            Err(TrySendError::Closed(_)) => return Ok(()),
-            Err(TrySendError::Full(answer)) => answer,
-        };
-        match timeout(READER_PATIENCE, answers.send(answer)).await {
-            Ok(Ok(())) => {}
-            Ok(Err(_)) => return Ok(()),
-            Err(_) => {
-                return Err(Problem::new(
-                    Reason::Overloaded,
-                    "the client took no answer for 10 s: read them, and ask again",
-                )
-                .into());
+        match hand(answers, answer).await {
+            Handed::Over => {}
+            Handed::Gone => return Ok(()),
+            Handed::TooSlow => {
+                let what = "the client took no answer for 10 s: read them, and ask again";
+                return Err(Problem::new(Reason::Overloaded, what).into());
             }
         }
     }

@@ -5,13 +5,13 @@
 //! more than fits is refused before it sends. The numbers are kept as they come and made a geometry when all are there, so
 //! that the errors and the id are those of `CreateGeometry`.
 
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 
 use tokio::time::timeout;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1::{self as pb, geometry::Kind, geometry_piece::Piece};
 
-use super::{Caller, Server, geometry::register};
+use super::{Caller, Server, WRITER_PATIENCE, geometry::register};
 use crate::{
     compute::{self, Weight},
     convert::archive::{INDICES, VALUES, room, within},
@@ -20,9 +20,6 @@ use crate::{
     session::Session,
     token::Role,
 };
-
-/// A client that sends no piece for so long is given up.
-const WRITER_PATIENCE: Duration = Duration::from_secs(30);
 
 /// Registers the geometry that a client sends in pieces.
 ///

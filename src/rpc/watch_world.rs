@@ -13,14 +13,14 @@ use std::{
 
 use collision::world::{Snapshot, View};
 use prost::Message;
-use tokio::{sync::OwnedSemaphorePermit, time::timeout};
+use tokio::sync::OwnedSemaphorePermit;
 use tokio_util::sync::CancellationToken;
 use tonic::{Request, Response, Status};
 use wire::v1 as pb;
 
 use super::{
-    Answers, Caller, READER_PATIENCE, Server,
-    answers::{Unread, stream},
+    Answers, Caller, Server,
+    answers::{Handed, Unread, hand, stream},
 };
 use crate::{
     compute::{self, Weight},
@@ -223,15 +223,13 @@ async fn send(
         (traces, traces_skipped) = (Vec::new(), 0);
         snapshot = false;
         let more = message.more;
-        match timeout(READER_PATIENCE, answers.send(Ok(message))).await {
-            Ok(Ok(())) if more => {}
-            Ok(Ok(())) => return Ok(ControlFlow::Continue(())),
-            Ok(Err(_)) => return Ok(ControlFlow::Break(())),
-            Err(_) => {
-                return Err(Problem::new(
-                    Reason::Overloaded,
-                    "the client took no message for 10 s: read them, and watch again",
-                ));
+        match hand(answers, message).await {
+            Handed::Over if more => {}
+            Handed::Over => return Ok(ControlFlow::Continue(())),
+            Handed::Gone => return Ok(ControlFlow::Break(())),
+            Handed::TooSlow => {
+                let what = "the client took no message for 10 s: read them, and watch again";
+                return Err(Problem::new(Reason::Overloaded, what));
             }
         }
     }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use super::{
     Filter, Found, HitMode, Impact, Meter, Moment, QuestionError, ShapeId, Snapshot, Subject, Tick,
     filter::Sieve,
-    hits::{Gathered, Hit, raise},
+    hits::{Gathered, raise},
     notes::Note,
     search::Side,
     sweeps::Moving,
@@ -171,7 +171,7 @@ impl FirstTouch {
             Some(Some(other)) => {
                 if let Some(least) = subject.entry(&other) {
                     meter.look()?;
-                    gather(&mut gathered, touch(&subject, &other, least, accuracy, meter));
+                    gathered.take(touch(&subject, &other, least, accuracy, meter));
                 }
             }
             None => self.in_the_world(world, &subject, &mut gathered, filter, accuracy, meter)?,
@@ -197,7 +197,7 @@ impl FirstTouch {
                 && let Some(least) = subject.entry(&other).filter(|&least| least <= gathered.limit())
             {
                 meter.look()?;
-                gather(gathered, touch(subject, &other, least, accuracy, meter));
+                gathered.take(touch(subject, &other, least, accuracy, meter));
             }
             Ok(gathered.limit())
         })
@@ -229,11 +229,4 @@ fn touch(
     }
     touch.fraction = touch.fraction.min(1.0_f64.next_down());
     Some(Impact { id: other.side.id(), user_data: other.side.user_data(), pierced: false, touch })
-}
-
-fn gather(gathered: &mut Gathered<Impact>, impact: Option<Impact>) {
-    match impact {
-        Some(impact) if impact.certificate().verdict == Verdict::Hit => gathered.add(Some(impact), None),
-        impact => gathered.add(None, impact),
-    }
 }

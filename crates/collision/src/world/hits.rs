@@ -186,6 +186,14 @@ impl<H: Hit> Gathered<H> {
         }
     }
 
+    /// Takes the one thing that was found on a shape, if anything was, as what its verdict says.
+    pub(super) fn take(&mut self, found: Option<H>) {
+        match found {
+            Some(hit) if hit.certificate().verdict == Verdict::Hit => self.add(Some(hit), None),
+            found => self.add(None, found),
+        }
+    }
+
     /// What lies surely beyond this need not be looked at.
     pub(super) fn limit(&self) -> f64 {
         match self {
@@ -340,10 +348,7 @@ mod tests {
             }
             let mut touch = touch.clone();
             raise(&mut touch.value, &mut touch.certificate, touch.least);
-            match touch.certificate.verdict {
-                Verdict::Hit => gathered.add(Some(touch), None),
-                _ => gathered.add(None, Some(touch)),
-            }
+            gathered.take(Some(touch));
         }
         gathered.finish()
     }

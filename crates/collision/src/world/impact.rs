@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     accuracy::Accuracy,
-    answer::{Certificate, Verdict},
+    answer::Certificate,
     broad::{Line, Path},
     math::Aabb,
     narrow::{self, ImpactTouch, InitialTouch, Motion},
@@ -168,7 +168,7 @@ impl Snapshot {
                     None
                 }
             };
-            gather(&mut gathered, impact);
+            gathered.take(impact);
             return Ok(gathered.finish());
         }
         let bounds = turning_bounds(&subject, question.rotation);
@@ -182,17 +182,10 @@ impl Snapshot {
                 && sieve.passes(&other)
             {
                 meter.look()?;
-                gather(&mut gathered, question.ask((&subject, &other), least, accuracy, meter));
+                gathered.take(question.ask((&subject, &other), least, accuracy, meter));
             }
             Ok(gathered.limit())
         })?;
         Ok(gathered.finish())
-    }
-}
-
-fn gather(gathered: &mut Gathered<Impact>, impact: Option<Impact>) {
-    match impact {
-        Some(impact) if impact.touch.certificate.verdict == Verdict::Hit => gathered.add(Some(impact), None),
-        impact => gathered.add(None, impact),
     }
 }
