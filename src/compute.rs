@@ -1,4 +1,7 @@
-//! Where work is done: inline, or on another thread if it is long enough to keep other calls waiting.
+//! Where work is done: inline, or on another thread if it is long enough to keep other calls waiting; and how many calls work
+//! inline, each of which takes a thread that serves others.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::{
     fence::{caught, fenced},
@@ -11,6 +14,32 @@ const HEAVY_BYTES: usize = 64 * 1024;
 /// Worlds with more bullets than this are edited elsewhere: to sweep a few costs some microseconds, to sweep a crowd may
 /// take the whole budget of a tick.
 const BULLETS_SWEPT_INLINE: usize = 8;
+
+/// Calls that work inline right now, in this process.
+static AT_WORK: AtomicUsize = AtomicUsize::new(0);
+
+/// Counts a call among those that work inline, as long as it lives.
+#[derive(Debug)]
+pub(crate) struct AtWork(());
+
+impl AtWork {
+    /// Begins to count.
+    pub(crate) fn begin() -> Self {
+        AT_WORK.fetch_add(1, Ordering::Relaxed);
+        Self(())
+    }
+
+    /// How many are counted.
+    pub(crate) fn count() -> usize {
+        AT_WORK.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for AtWork {
+    fn drop(&mut self) {
+        AT_WORK.fetch_sub(1, Ordering::Relaxed);
+    }
+}
 
 /// How much work something is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +72,10 @@ pub(crate) async fn run<T: Send + 'static>(
     work: impl FnOnce() -> Checked<T> + Send + 'static,
 ) -> Checked<T> {
     match weight {
-        Weight::Light => fenced(doing, work)?,
+        Weight::Light => {
+            let _at_work = AtWork::begin();
+            fenced(doing, work)?
+        }
         Weight::Heavy => match tokio::task::spawn_blocking(work).await {
             Ok(done) => done,
             Err(error) if error.is_panic() => Err(caught(doing, error.into_panic().as_ref())),

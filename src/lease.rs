@@ -1,51 +1,58 @@
 //! A session's lease: how long it outlives its last call.
 
 use std::{
-    sync::atomic::{AtomicUsize, Ordering},
+    sync::atomic::{AtomicU64, AtomicUsize, Ordering},
     time::{Duration, Instant, SystemTime},
 };
 
-use parking_lot::Mutex;
+/// The length of a lease without an end.
+const FOR_EVER: u64 = u64::MAX;
 
-/// A lease that every call and every open stream renews.
+/// A lease that every call and every open stream renews. Without a lock, as each question does.
 #[derive(Debug)]
 pub(crate) struct Lease {
-    state: Mutex<State>,
+    began: Instant,
+    /// How long the session outlives its last call.
+    length_ns: AtomicU64,
+    /// When that was, since the lease began.
+    last_call_ns: AtomicU64,
     open_streams: AtomicUsize,
 }
 
-#[derive(Debug)]
-struct State {
-    /// How long the session outlives its last call; `None` is for ever.
-    length: Option<Duration>,
-    last_call: Instant,
-}
-
 impl Lease {
-    /// A lease that begins now.
+    /// A lease that begins now; `None` is for ever.
     pub(crate) fn new(length: Option<Duration>) -> Self {
-        Self { state: Mutex::new(State { length, last_call: Instant::now() }), open_streams: AtomicUsize::new(0) }
+        Self {
+            began: Instant::now(),
+            length_ns: AtomicU64::new(length.map_or(FOR_EVER, nanoseconds)),
+            last_call_ns: AtomicU64::new(0),
+            open_streams: AtomicUsize::new(0),
+        }
     }
 
     /// Notes a call, with a new length if there is one.
     pub(crate) fn renew(&self, length: Option<Duration>) {
-        let mut state = self.state.lock();
-        state.last_call = Instant::now();
-        if length.is_some() && state.length.is_some() {
-            state.length = length;
+        self.last_call_ns.store(nanoseconds(self.began.elapsed()), Ordering::Relaxed);
+        if let (Some(new), Some(_)) = (length, self.length()) {
+            self.length_ns.store(nanoseconds(new), Ordering::Relaxed);
         }
     }
 
     /// How long the session outlives its last call; `None` is for ever.
     pub(crate) fn length(&self) -> Option<Duration> {
-        self.state.lock().length
+        let length = self.length_ns.load(Ordering::Relaxed);
+        (length != FOR_EVER).then_some(Duration::from_nanos(length))
     }
 
     /// When the session ends unless it is renewed; `None` is never.
     pub(crate) fn expires_at(&self) -> Option<SystemTime> {
-        let state = self.state.lock();
-        let left = state.length?.saturating_sub(state.last_call.elapsed());
+        let left = self.length()?.saturating_sub(self.idle());
         SystemTime::now().checked_add(left)
+    }
+
+    /// How long ago the last call was.
+    fn idle(&self) -> Duration {
+        self.began.elapsed().saturating_sub(Duration::from_nanos(self.last_call_ns.load(Ordering::Relaxed)))
     }
 
     /// Whether it is over.
@@ -53,8 +60,7 @@ impl Lease {
         if self.open_streams.load(Ordering::Acquire) > 0 {
             return false;
         }
-        let state = self.state.lock();
-        state.length.is_some_and(|length| state.last_call.elapsed() > length)
+        self.length().is_some_and(|length| self.idle() > length)
     }
 
     /// Keeps the lease while a stream is open; when that ends, the lease begins anew.
@@ -62,6 +68,11 @@ impl Lease {
         self.open_streams.fetch_add(1, Ordering::AcqRel);
         Hold(self)
     }
+}
+
+/// The longest that fits is centuries, and stays below [`FOR_EVER`].
+fn nanoseconds(length: Duration) -> u64 {
+    u64::try_from(length.as_nanos()).map_or(FOR_EVER - 1, |length| length.min(FOR_EVER - 1))
 }
 
 /// An open stream.

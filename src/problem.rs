@@ -84,9 +84,13 @@ impl Reason {
     }
 }
 
-/// Why a call, or one item of it, failed. The field is completed from the inside out by [`Problem::under`].
+/// Why a call, or one item of it, failed. The field is completed from the inside out by [`Problem::under`]. In a box, as it is rare
+/// and each number that is checked would carry room for it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Problem {
+pub(crate) struct Problem(Box<Inside>);
+
+#[derive(Clone, Debug, PartialEq)]
+struct Inside {
     reason: Reason,
     /// Where, such as `edits[3].insert.pose.position.x`; empty where no field is to blame.
     field: String,
@@ -109,68 +113,68 @@ impl Problem {
 
     /// A problem of a field; `what` goes on after its name.
     pub(crate) fn at(field: impl Into<String>, reason: Reason, what: impl Into<String>) -> Self {
-        Self { reason, field: field.into(), what: what.into(), shape_id: 0, more: Vec::new() }
+        Self(Box::new(Inside { reason, field: field.into(), what: what.into(), shape_id: 0, more: Vec::new() }))
     }
 
     /// Whether it is of this kind.
     pub(crate) fn is(&self, reason: Reason) -> bool {
-        self.reason == reason
+        self.0.reason == reason
     }
 
     /// The same, of another field.
     pub(crate) fn at_field(mut self, field: String) -> Self {
-        self.field = field;
+        self.0.field = field;
         self
     }
 
     /// The same, with the shape concerned.
     pub(crate) fn with_shape(mut self, id: u64) -> Self {
-        self.shape_id = id;
+        self.0.shape_id = id;
         self
     }
 
     /// The same, with one more value for programs.
     pub(crate) fn with(mut self, name: &'static str, value: impl ToString) -> Self {
-        self.more.push((name, value.to_string()));
+        self.0.more.push((name, value.to_string()));
         self
     }
 
     /// The same, of an item of a call whose items have no fields of their own.
     pub(crate) fn of_item(mut self, index: usize) -> Self {
-        if self.field.is_empty() {
-            self.what = format!("item {index}: {}", self.what);
+        if self.0.field.is_empty() {
+            self.0.what = format!("item {index}: {}", self.0.what);
         }
         self.with("item", index)
     }
 
     /// The same, seen from the message that holds `outer`. A problem without a field stays as it is.
     pub(crate) fn under(mut self, outer: &str) -> Self {
-        if !self.field.is_empty() && !outer.is_empty() {
-            self.field = format!("{outer}.{}", self.field);
+        if !self.0.field.is_empty() && !outer.is_empty() {
+            self.0.field = format!("{outer}.{}", self.0.field);
         }
         self
     }
 
     /// The whole sentence.
     fn message(&self) -> String {
-        if self.field.is_empty() {
-            self.what.clone()
-        } else if self.what.starts_with(':') {
-            format!("{}{}", self.field, self.what)
+        if self.0.field.is_empty() {
+            self.0.what.clone()
+        } else if self.0.what.starts_with(':') {
+            format!("{}{}", self.0.field, self.0.what)
         } else {
-            format!("{} {}", self.field, self.what)
+            format!("{} {}", self.0.field, self.0.what)
         }
     }
 
     /// As one item's problem in a batch or stream; the stream adds its sequence.
     pub(crate) fn into_wire(self) -> wire::v1::Problem {
-        let (code, name) = self.reason.code_and_name();
+        let (code, name) = self.0.reason.code_and_name();
         wire::v1::Problem {
             code: code as i32,
             reason: name.to_owned(),
             message: self.message(),
-            field: self.field,
-            shape_id: self.shape_id,
+            field: self.0.field,
+            shape_id: self.0.shape_id,
             sequence: 0,
         }
     }
@@ -184,17 +188,17 @@ impl std::fmt::Display for Problem {
 
 impl From<Problem> for Status {
     fn from(problem: Problem) -> Self {
-        let (code, name) = problem.reason.code_and_name();
+        let (code, name) = problem.0.reason.code_and_name();
         let message = problem.message();
         let mut more: HashMap<String, String> =
-            problem.more.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-        if problem.shape_id != 0 {
-            more.insert("shape_id".to_owned(), problem.shape_id.to_string());
+            problem.0.more.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+        if problem.0.shape_id != 0 {
+            more.insert("shape_id".to_owned(), problem.0.shape_id.to_string());
         }
         let mut details = ErrorDetails::new();
         details.set_error_info(name, DOMAIN, more);
-        if !problem.field.is_empty() {
-            details.set_bad_request(vec![FieldViolation::new(problem.field, message.clone())]);
+        if !problem.0.field.is_empty() {
+            details.set_bad_request(vec![FieldViolation::new(problem.0.field, message.clone())]);
         }
         Status::with_error_details(code, message, details)
     }

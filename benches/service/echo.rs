@@ -92,8 +92,8 @@ impl QueryService for Echo {
         tokio::spawn(async move {
             while let Ok(Some(message)) = messages.message().await {
                 let response = match message.request {
-                    Some(Asked::RaycastBatch(request)) => Answered::RaycastBatch(rays(&request)),
-                    Some(Asked::Batch(request)) => Answered::Batch(batch(&request)),
+                    Some(Asked::RaycastBatch(request)) => rays(&request).into(),
+                    Some(Asked::Batch(request)) => batch(&request).into(),
                     _ => Answered::Answer(pb::Answer { answer: Some(Kind::Raycast(ray())) }),
                 };
                 let answer = pb::QueryStreamResponse { request_id: message.request_id, response: Some(response) };

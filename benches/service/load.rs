@@ -75,7 +75,7 @@ async fn ask_for(client: &Client, way: Way, rays: &[proto::RaycastRequest], time
             stream(client, &questions, window, time).await
         }
         Way::ColumnStream(size) => {
-            let questions: Vec<Asked> = rays.chunks(size).map(|rays| Asked::RaycastBatch(columns(rays))).collect();
+            let questions: Vec<Asked> = rays.chunks(size).map(|rays| Asked::from(columns(rays))).collect();
             Ok(stream(client, &questions, 8, time).await? * size as u64)
         }
         Way::Batch(size) => {

@@ -34,6 +34,32 @@ const COLUMN_MESSAGES: [&str; 17] = [
     "LineOfSightResponse",
 ];
 
+/// Fields that stand in boxes, because most messages do without them: what is read, moved and kept by the thousand stays small.
+const BOXED: [&str; 22] = [
+    "options",
+    "against",
+    ".calipers.v1.Question.question.overlap",
+    ".calipers.v1.Question.question.penetration",
+    ".calipers.v1.Question.question.time_of_impact",
+    ".calipers.v1.Question.question.distance",
+    ".calipers.v1.Question.question.move_character",
+    ".calipers.v1.Question.question.depenetrate",
+    ".calipers.v1.Question.question.first_touch",
+    ".calipers.v1.Answer.answer.move_character",
+    ".calipers.v1.Answer.answer.depenetrate",
+    ".calipers.v1.QueryStreamRequest.request.batch",
+    ".calipers.v1.QueryStreamRequest.request.raycast_batch",
+    ".calipers.v1.QueryStreamRequest.request.overlap_batch",
+    ".calipers.v1.QueryStreamRequest.request.time_of_impact_batch",
+    ".calipers.v1.QueryStreamRequest.request.distance_batch",
+    ".calipers.v1.QueryStreamRequest.request.line_of_sight",
+    ".calipers.v1.QueryStreamResponse.response.raycast_batch",
+    ".calipers.v1.QueryStreamResponse.response.overlap_batch",
+    ".calipers.v1.QueryStreamResponse.response.time_of_impact_batch",
+    ".calipers.v1.QueryStreamResponse.response.distance_batch",
+    ".calipers.v1.QueryStreamResponse.response.line_of_sight",
+];
+
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed={PROTO_ROOT}");
     let descriptors = protox::compile(PROTO_FILES, [PROTO_ROOT])?;
@@ -47,6 +73,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut config = tonic_prost_build::configure().codec_path("crate::codec::ExactCodec");
     for name in COLUMN_MESSAGES {
         config = config.extern_path(format!(".calipers.v1.{name}"), format!("crate::columns::{name}"));
+    }
+    for field in BOXED {
+        config = config.boxed(field);
     }
     config.compile_fds(descriptors)?;
     Ok(())

@@ -27,7 +27,7 @@ use crate::{
 pub(crate) fn raycast(found: &Found<RayHit>) -> Checked<pb::RaycastResponse> {
     Ok(pb::RaycastResponse {
         verdict: verdict(found.verdict).into(),
-        hits: found.hits.iter().map(ray_hit).collect::<Checked<_>>()?,
+        hits: all_out(&found.hits, ray_hit)?,
         truncated: found.truncated,
         info: None,
     })
@@ -47,7 +47,7 @@ pub(crate) fn overlap(found: &Found<OverlapHit>) -> Checked<pb::OverlapResponse>
     };
     Ok(pb::OverlapResponse {
         verdict: verdict(found.verdict).into(),
-        hits: found.hits.iter().map(hit).collect::<Checked<_>>()?,
+        hits: all_out(&found.hits, hit)?,
         truncated: found.truncated,
         info: None,
     })
@@ -60,7 +60,7 @@ pub(crate) fn overlap(found: &Found<OverlapHit>) -> Checked<pb::OverlapResponse>
 pub(crate) fn penetration(found: &Found<Contact>) -> Checked<pb::PenetrationResponse> {
     Ok(pb::PenetrationResponse {
         verdict: verdict(found.verdict).into(),
-        contacts: found.hits.iter().map(contact).collect::<Checked<_>>()?,
+        contacts: all_out(&found.hits, contact)?,
         truncated: found.truncated,
         info: None,
     })
@@ -73,7 +73,7 @@ pub(crate) fn penetration(found: &Found<Contact>) -> Checked<pb::PenetrationResp
 pub(crate) fn time_of_impact(found: &Found<Impact>) -> Checked<pb::TimeOfImpactResponse> {
     Ok(pb::TimeOfImpactResponse {
         verdict: verdict(found.verdict).into(),
-        hits: found.hits.iter().map(impact).collect::<Checked<_>>()?,
+        hits: all_out(&found.hits, impact)?,
         truncated: found.truncated,
         info: None,
     })
@@ -86,9 +86,21 @@ pub(crate) fn time_of_impact(found: &Found<Impact>) -> Checked<pb::TimeOfImpactR
 pub(crate) fn distance(found: &Found<Neighbor>) -> Checked<pb::DistanceResponse> {
     Ok(pb::DistanceResponse {
         verdict: verdict(found.verdict).into(),
-        hits: found.hits.iter().map(neighbor).collect::<Checked<_>>()?,
+        hits: all_out(&found.hits, neighbor)?,
         info: None,
     })
+}
+
+/// All of a list as it is sent, in a list that is no larger than that: what is collected with errors on the way makes room for four.
+///
+/// # Errors
+/// The first of an item's.
+pub(super) fn all_out<T, U>(found: &[T], out: impl Fn(&T) -> Checked<U>) -> Checked<Vec<U>> {
+    let mut sent = Vec::with_capacity(found.len());
+    for item in found {
+        sent.push(out(item)?);
+    }
+    Ok(sent)
 }
 
 /// What bullets touched in a tick.
@@ -223,7 +235,7 @@ pub(super) fn contact(contact: &Contact) -> Checked<pb::Contact> {
         id: id_or_none(contact.id),
         normal: Some(vec3_out(contact.normal)?),
         depth: Some(number_out(contact.depth)?),
-        points: contact.points.iter().map(contact_point).collect::<Checked<_>>()?,
+        points: all_out(&contact.points, contact_point)?,
         subject_feature: feature(contact.subject_feature),
         feature: feature(contact.feature),
         user_data: contact.user_data,

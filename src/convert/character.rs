@@ -10,7 +10,7 @@ use collision::{
 use wire::v1 as pb;
 
 use super::{
-    answer::{contact, impact, verdict},
+    answer::{all_out, contact, impact, verdict},
     number::{FROM_ZERO_TO_REACH, REACH, count, within},
     place::{direction, position, vec3_out},
     question::subject,
@@ -55,7 +55,7 @@ pub(crate) fn moved_character(moved: &MovedCharacter) -> Checked<pb::MoveCharact
         verdict: verdict(moved.verdict).into(),
         position: Some(vec3_out(moved.position)?),
         ground: moved.ground.as_ref().map(contact).transpose()?,
-        hits: moved.hits.iter().map(impact).collect::<Checked<_>>()?,
+        hits: all_out(&moved.hits, impact)?,
         info: None,
         pushed: (moved.pushed != DVec3::ZERO).then(|| vec3_out(moved.pushed)).transpose()?,
     })

@@ -4,8 +4,8 @@ use collision::{DQuat, DVec3, shape::Limits, world::ShapeId};
 use wire::v1 as pb;
 
 use super::{
-    number::{FROM_ZERO_TO_REACH, REACH},
-    place::{column_number, is_zero_quat, position},
+    number::{FROM_ZERO_TO_REACH, REACH, not_finite},
+    place::{is_zero_quat, position},
 };
 use crate::problem::{Checked, Problem, Reason, Under};
 
@@ -35,17 +35,37 @@ impl<'a, const WIDTH: usize> Column<'a, WIDTH> {
         Err(Problem::at(name, Reason::ColumnLength, what))
     }
 
-    /// The numbers of an item and where they begin; `None` if the column is absent.
-    fn item(&self, index: usize) -> Checked<Option<(usize, [f64; WIDTH])>> {
-        if self.numbers.is_empty() {
-            return Ok(None);
+    /// Where the numbers of an item begin.
+    fn begin(&self, index: usize) -> usize {
+        if self.numbers.len() == WIDTH * self.n { index * WIDTH } else { 0 }
+    }
+
+    /// The numbers of an item, whatever they are; `None` if the column is absent.
+    #[inline]
+    fn unchecked(&self, index: usize) -> Option<[f64; WIDTH]> {
+        let numbers = self.numbers.get(self.begin(index)..)?.first_chunk()?;
+        Some(numbers.map(f64::from))
+    }
+
+    /// The numbers of an item; `None` if the column is absent.
+    ///
+    /// # Errors
+    /// One is not finite.
+    #[inline]
+    fn item(&self, index: usize) -> Checked<Option<[f64; WIDTH]>> {
+        let item = self.unchecked(index);
+        match item.is_none_or(|item| item.iter().all(|number| number.is_finite())) {
+            true => Ok(item),
+            false => Err(self.not_finite(index)),
         }
-        let begin = if self.numbers.len() == WIDTH * self.n { index * WIDTH } else { 0 };
-        let mut item = [0.0; WIDTH];
-        for (offset, number) in item.iter_mut().enumerate() {
-            *number = column_number(self.name, begin + offset, self.numbers[begin + offset])?;
-        }
-        Ok(Some((begin, item)))
+    }
+
+    /// What is said of an item with a number that is not finite.
+    #[cold]
+    fn not_finite(&self, index: usize) -> Problem {
+        let item = self.unchecked(index).unwrap_or([0.0; WIDTH]);
+        let offset = item.iter().position(|number| !number.is_finite()).unwrap_or(0);
+        not_finite(format!("{}[{}]", self.name, self.begin(index) + offset), item[offset])
     }
 }
 
@@ -66,6 +86,7 @@ impl<'a> VectorColumn<'a> {
     ///
     /// # Errors
     /// A number that is not finite or beyond the limits.
+    #[inline]
     pub(crate) fn item(&self, index: usize) -> Checked<Option<DVec3>> {
         self.item_from(index, DVec3::ZERO)
     }
@@ -74,16 +95,32 @@ impl<'a> VectorColumn<'a> {
     ///
     /// # Errors
     /// As [`VectorColumn::item`].
+    #[inline]
     pub(crate) fn item_from(&self, index: usize, origin: DVec3) -> Checked<Option<DVec3>> {
-        let Some((begin, item)) = self.0.item(index)? else {
-            return Ok(None);
-        };
-        in_limits(self.0.name, begin, origin + DVec3::from_array(item)).map(Some)
+        let Some(item) = self.0.unchecked(index) else { return Ok(None) };
+        let vector = origin + DVec3::from_array(item);
+        // What is not finite is not within either.
+        match vector.abs().cmple(DVec3::splat(Limits::COORDINATE)).all() {
+            true => Ok(Some(vector)),
+            false => Err(self.beyond(index, vector)),
+        }
+    }
+
+    /// What is said of an item that is not finite or beyond the limits, which `vector` is with the frame's origin.
+    #[cold]
+    fn beyond(&self, index: usize, vector: DVec3) -> Problem {
+        if let Err(problem) = self.0.item(index) {
+            return problem;
+        }
+        let vector = vector.to_array();
+        let offset = vector.iter().position(|value| value.abs() > Limits::COORDINATE).unwrap_or(0);
+        let what = format!("is {} with the frame origin: it must be within 1e12 of 0", vector[offset]);
+        Problem::at(format!("{}[{}]", self.0.name, self.0.begin(index) + offset), Reason::OutOfLimits, what)
     }
 
     /// Where the vector of an item begins in the column.
     pub(crate) fn place(&self, index: usize) -> usize {
-        if self.0.numbers.len() == 3 * self.0.n { 3 * index } else { 0 }
+        self.0.begin(index)
     }
 }
 
@@ -104,8 +141,9 @@ impl<'a> Numbers<'a> {
     ///
     /// # Errors
     /// It is not finite.
+    #[inline]
     pub(crate) fn item(&self, index: usize) -> Checked<Option<f64>> {
-        Ok(self.0.item(index)?.map(|(_, [number])| number))
+        Ok(self.0.item(index)?.map(|[number]| number))
     }
 }
 
@@ -126,13 +164,14 @@ impl<'a> Distances<'a> {
     ///
     /// # Errors
     /// It is not finite, or out of range.
+    #[inline]
     pub(crate) fn item(&self, index: usize) -> Checked<f64> {
-        let Some((place, [distance])) = self.0.item(index)? else { return Ok(REACH) };
+        let Some([distance]) = self.0.item(index)? else { return Ok(REACH) };
         if (0.0..=REACH).contains(&distance) {
             return Ok(distance);
         }
         let what = format!("is {distance}: it must be {FROM_ZERO_TO_REACH}");
-        Err(Problem::at(format!("{}[{place}]", self.0.name), Reason::OutOfLimits, what))
+        Err(Problem::at(format!("{}[{}]", self.0.name, self.0.begin(index)), Reason::OutOfLimits, what))
     }
 }
 
@@ -157,6 +196,7 @@ impl<'a> Ids<'a> {
     }
 
     /// The shape of an item.
+    #[inline]
     pub(crate) fn item(&self, index: usize) -> Option<ShapeId> {
         let place = if self.ids.len() == self.n { index } else { 0 };
         self.ids.get(place).copied().and_then(ShapeId::new)
@@ -167,7 +207,7 @@ impl<'a> Ids<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Poses<'a> {
     frame_origin: DVec3,
-    positions: Column<'a, 3>,
+    positions: VectorColumn<'a>,
     rotations: Column<'a, 4>,
 }
 
@@ -180,7 +220,7 @@ impl<'a> Poses<'a> {
         let frame_origin = sent.and_then(|sent| sent.frame_origin.as_ref());
         Ok(Self {
             frame_origin: position(frame_origin, DVec3::ZERO).under("frame_origin")?,
-            positions: Column::new("positions", sent.map_or(&[], |sent| &sent.positions), n)?,
+            positions: VectorColumn::new("positions", sent.map_or(&[], |sent| &sent.positions), n)?,
             rotations: Column::new("rotations", sent.map_or(&[], |sent| &sent.rotations), n)?,
         })
     }
@@ -195,10 +235,7 @@ impl<'a> Poses<'a> {
     /// # Errors
     /// A number that is not finite or beyond the limits.
     pub(crate) fn position(&self, index: usize) -> Checked<Option<DVec3>> {
-        let Some((begin, item)) = self.positions.item(index)? else {
-            return Ok(None);
-        };
-        in_limits(self.positions.name, begin, self.frame_origin + DVec3::from_array(item)).map(Some)
+        self.positions.item_from(index, self.frame_origin)
     }
 
     /// The rotation of an item; `None` if the column is absent.
@@ -206,25 +243,13 @@ impl<'a> Poses<'a> {
     /// # Errors
     /// A number that is not finite, a quaternion of length 0.
     pub(crate) fn rotation(&self, index: usize) -> Checked<Option<DQuat>> {
-        let Some((begin, item)) = self.rotations.item(index)? else {
-            return Ok(None);
-        };
+        let Some(item) = self.rotations.item(index)? else { return Ok(None) };
         if is_zero_quat(item) {
             let what = "begins a quaternion of four zeros: it may have any length but 0; 0, 0, 0, 1 is no rotation";
-            return Err(Problem::at(format!("rotations[{begin}]"), Reason::OutOfLimits, what));
+            return Err(Problem::at(format!("rotations[{}]", self.rotations.begin(index)), Reason::OutOfLimits, what));
         }
         Ok(Some(DQuat::from_array(item)))
     }
-}
-
-fn in_limits(column: &str, begin: usize, vector: DVec3) -> Checked<DVec3> {
-    for (offset, value) in vector.to_array().into_iter().enumerate() {
-        if value.abs() > Limits::COORDINATE {
-            let what = format!("is {value} with the frame origin: it must be within 1e12 of 0");
-            return Err(Problem::at(format!("{column}[{}]", begin + offset), Reason::OutOfLimits, what));
-        }
-    }
-    Ok(vector)
 }
 
 #[cfg(test)]

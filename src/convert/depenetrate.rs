@@ -4,7 +4,7 @@ use collision::world::{Depenetrate, Depenetrated, ShapeId};
 use wire::v1 as pb;
 
 use super::{
-    answer::{contact, interval, verdict},
+    answer::{all_out, contact, interval, verdict},
     number::{FROM_ZERO_TO_REACH, REACH, count, within},
     place::vec3_out,
     question::{against, subject},
@@ -19,7 +19,7 @@ pub(crate) fn depenetrate(sent: &pb::DepenetrateRequest, known: &Geometries) -> 
     let length = |field, length| within(field, length, 0.0..=REACH, FROM_ZERO_TO_REACH);
     Ok(Depenetrate {
         subject: subject(sent.subject.as_ref(), known)?,
-        against: against(sent.against.as_ref(), known)?,
+        against: against(sent.against.as_deref(), known)?,
         gap: length("gap", sent.gap)?,
         max_distance: length("max_distance", sent.max_distance.unwrap_or(REACH))?,
         max_passes: count("passes", sent.passes, 8, 64)?,
@@ -37,7 +37,7 @@ pub(crate) fn depenetrated(out: &Depenetrated) -> Checked<pb::DepenetrateRespons
         translation: Some(vec3_out(out.translation)?),
         depth: Some(interval(out.depth)?),
         ids: out.moved_out_of.iter().copied().map(ShapeId::get).collect(),
-        contacts: out.contacts.iter().map(contact).collect::<Checked<_>>()?,
+        contacts: all_out(&out.contacts, contact)?,
         // At most 64.
         passes: out.passes as u32,
         info: None,

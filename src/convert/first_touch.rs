@@ -6,7 +6,7 @@ use collision::world::{FirstTouch, Found, PastTouch, Snapshot, Tick};
 use wire::v1 as pb;
 
 use super::{
-    answer::{impact, verdict},
+    answer::{all_out, impact, verdict},
     question::{against, subject},
 };
 use crate::{
@@ -37,7 +37,7 @@ pub(crate) fn first_touch(
     }
     Ok(FirstTouch {
         subject: subject(sent.subject.as_ref(), known)?,
-        against: against(sent.against.as_ref(), known)?,
+        against: against(sent.against.as_deref(), known)?,
         from,
         to,
     })
@@ -51,7 +51,7 @@ pub(crate) fn touched(found: &Found<PastTouch>) -> Checked<pb::FirstTouchRespons
     let hit = |hit: &PastTouch| Ok(pb::PastTouch { tick: hit.tick.get(), impact: Some(impact(&hit.impact)?) });
     Ok(pb::FirstTouchResponse {
         verdict: verdict(found.verdict).into(),
-        hits: found.hits.iter().map(hit).collect::<Checked<_>>()?,
+        hits: all_out(&found.hits, hit)?,
         truncated: found.truncated,
         info: None,
     })

@@ -2,7 +2,7 @@
 
 use collision::{
     DVec3,
-    answer::{Bound, Feature, Verdict},
+    answer::{Bound, Certificate, Feature, Verdict},
     world::{Found, Impact, Neighbor, OverlapHit, RayHit},
 };
 use wire::v1 as pb;
@@ -16,7 +16,6 @@ use crate::problem::Checked;
 /// What a hit is made of, for its columns.
 #[derive(Debug)]
 pub(crate) struct Parts {
-    verdict: Verdict,
     id: u64,
     value: f64,
     point: DVec3,
@@ -27,15 +26,20 @@ pub(crate) struct Parts {
 
 /// A hit that has a value.
 pub(crate) trait InColumns {
+    /// What its value is worth.
+    fn certificate(&self) -> &Certificate;
     /// Its parts.
     fn parts(&self) -> Parts;
 }
 
 impl InColumns for RayHit {
+    fn certificate(&self) -> &Certificate {
+        &self.touch.certificate
+    }
+
     fn parts(&self) -> Parts {
         let touch = &self.touch;
         Parts {
-            verdict: touch.certificate.verdict,
             id: id_or_none(self.id),
             value: touch.distance,
             point: touch.point,
@@ -47,10 +51,13 @@ impl InColumns for RayHit {
 }
 
 impl InColumns for Impact {
+    fn certificate(&self) -> &Certificate {
+        &self.touch.certificate
+    }
+
     fn parts(&self) -> Parts {
         let touch = &self.touch;
         Parts {
-            verdict: touch.certificate.verdict,
             id: id_or_none(self.id),
             value: touch.fraction,
             point: touch.point,
@@ -62,10 +69,13 @@ impl InColumns for Impact {
 }
 
 impl InColumns for Neighbor {
+    fn certificate(&self) -> &Certificate {
+        &self.separation.certificate
+    }
+
     fn parts(&self) -> Parts {
         let separation = &self.separation;
         Parts {
-            verdict: separation.certificate.verdict,
             id: id_or_none(self.id),
             value: separation.distance,
             point: separation.point_on_b,
@@ -110,20 +120,15 @@ impl Hits {
     /// # Errors
     /// A number is not finite, which is a fault of the server.
     pub(crate) fn add<H: InColumns>(&mut self, found: &Found<H>, none: f64) -> Checked<()> {
-        let mut best: Option<Parts> = None;
-        let mut lower = f64::INFINITY;
-        for hit in &found.hits {
-            let hit = hit.parts();
-            lower = lower.min(hit.bound.lower);
-            if best.as_ref().is_none_or(|best| best.verdict != Verdict::Hit && hit.verdict == Verdict::Hit) {
-                best = Some(hit);
-            }
-        }
+        let verdict_of = |hit: &&H| hit.certificate().verdict;
+        let best = found.hits.iter().find(|hit| verdict_of(hit) == Verdict::Hit).or(found.hits.first());
         self.columns.verdicts.push(verdict(found.verdict).into());
-        match best {
-            Some(hit) => self.add_hit(&hit, lower),
-            None => self.add_none(none as f32),
-        }
+        let Some(best) = best else {
+            self.add_none(none as f32);
+            return Ok(());
+        };
+        let lower = found.hits.iter().fold(f64::INFINITY, |lower, hit| lower.min(hit.certificate().bound.lower));
+        self.add_hit(&best.parts(), lower)
     }
 
     fn add_hit(&mut self, hit: &Parts, lower: f64) -> Checked<()> {
@@ -149,7 +154,7 @@ impl Hits {
         Ok(())
     }
 
-    fn add_none(&mut self, value: f32) -> Checked<()> {
+    fn add_none(&mut self, value: f32) {
         let Self { want, columns, .. } = self;
         columns.ids.push(0);
         columns.values.push(value);
@@ -167,7 +172,6 @@ impl Hits {
             columns.lower.push(0.0);
             columns.upper.push(0.0);
         }
-        Ok(())
     }
 
     /// All of them.

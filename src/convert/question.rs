@@ -148,7 +148,7 @@ pub(crate) fn raycast(sent: &pb::RaycastRequest) -> Checked<Raycast> {
 pub(crate) fn overlap(sent: &pb::OverlapRequest, known: &Geometries) -> Checked<Overlap> {
     Ok(Overlap {
         subject: subject(sent.subject.as_ref(), known)?,
-        against: against(sent.against.as_ref(), known)?,
+        against: against(sent.against.as_deref(), known)?,
         max_hits: count("max_hits", sent.max_hits, 1000, 65_536)?,
     })
 }
@@ -160,7 +160,7 @@ pub(crate) fn overlap(sent: &pb::OverlapRequest, known: &Geometries) -> Checked<
 pub(crate) fn penetration(sent: &pb::PenetrationRequest, known: &Geometries) -> Checked<Penetration> {
     Ok(Penetration {
         subject: subject(sent.subject.as_ref(), known)?,
-        against: against(sent.against.as_ref(), known)?,
+        against: against(sent.against.as_deref(), known)?,
         max_gap: within("max_gap", sent.max_gap, 0.0..=REACH, FROM_ZERO_TO_REACH)?,
         max_contacts: count("max_contacts", sent.max_contacts, 64, 4096)?,
     })
@@ -174,7 +174,7 @@ pub(crate) fn distance(sent: &pb::DistanceRequest, known: &Geometries) -> Checke
     let max_distance = sent.max_distance.unwrap_or(REACH);
     Ok(Distance {
         subject: subject(sent.subject.as_ref(), known)?,
-        against: against(sent.against.as_ref(), known)?,
+        against: against(sent.against.as_deref(), known)?,
         max_distance: within("max_distance", max_distance, 0.0..=REACH, FROM_ZERO_TO_REACH)?,
         max_hits: count("max_hits", sent.max_hits, 1, 4096)?,
     })
@@ -190,7 +190,7 @@ pub(crate) fn time_of_impact(
     world: &Snapshot,
 ) -> Checked<TimeOfImpact> {
     let subject = subject(sent.subject.as_ref(), known)?;
-    let against = against(sent.against.as_ref(), known)?;
+    let against = against(sent.against.as_deref(), known)?;
     let (displacement, rotation) = motion("end", &subject, sent.end.as_ref(), world, "subject.id")?;
     let (against_displacement, against_rotation) = match (&against, &sent.against_end) {
         (_, None) => (DVec3::ZERO, DVec3::ZERO),

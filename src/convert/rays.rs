@@ -79,6 +79,7 @@ impl<'a> Rays<'a> {
     ///
     /// # Errors
     /// A number that is not finite or beyond the limits, a direction of length 0.
+    #[inline]
     pub(crate) fn item(&self, index: usize) -> Checked<(Raycast, Option<ShapeId>)> {
         let direction = self.directions.item_from(index, DVec3::ZERO)?.unwrap_or(DVec3::ZERO);
         if direction == DVec3::ZERO {

@@ -23,7 +23,7 @@ pub(crate) fn trace(asked: Asked, answered: Checked<Kind>) -> Option<pb::Trace> 
 /// A ray of a batch.
 pub(crate) fn ray(sent: &pb::RaycastBatchRequest, ray: &Ray) -> Asked {
     let vector = |vector: collision::DVec3| Some(pb::Vec3 { x: vector.x, y: vector.y, z: vector.z });
-    Asked::Raycast(pb::RaycastRequest {
+    Asked::from(pb::RaycastRequest {
         origin: vector(ray.origin),
         direction: vector(ray.direction),
         max_distance: Some(ray.max_distance),
@@ -41,7 +41,7 @@ pub(crate) fn overlap(sent: &pb::OverlapBatchRequest, pose: &Pose) -> Asked {
     if let (Some(Form::Geometry(geometry)), Some(&scale)) = (&mut subject.form, sent.scales.first()) {
         geometry.scale = Some(geometry.scale.unwrap_or(1.0) * f64::from(scale));
     }
-    Asked::Overlap(pb::OverlapRequest {
+    Asked::from(pb::OverlapRequest {
         subject: Some(subject),
         max_hits: if sent.max_hits_each == 0 { 32 } else { sent.max_hits_each },
         options: sent.options.clone(),
@@ -51,7 +51,7 @@ pub(crate) fn overlap(sent: &pb::OverlapBatchRequest, pose: &Pose) -> Asked {
 
 /// A place of a batch: what is nearest to the geometry there?
 pub(crate) fn distance(sent: &pb::DistanceBatchRequest, pose: &Pose, max_distance: f64) -> Asked {
-    Asked::Distance(pb::DistanceRequest {
+    Asked::from(pb::DistanceRequest {
         subject: Some(subject(sent.geometry.as_ref(), pose)),
         max_distance: Some(max_distance),
         options: sent.options.clone(),
@@ -61,7 +61,7 @@ pub(crate) fn distance(sent: &pb::DistanceBatchRequest, pose: &Pose, max_distanc
 
 /// A way of a batch.
 pub(crate) fn time_of_impact(sent: &pb::TimeOfImpactBatchRequest, start: &Pose, end: &Pose) -> Asked {
-    Asked::TimeOfImpact(pb::TimeOfImpactRequest {
+    Asked::from(pb::TimeOfImpactRequest {
         subject: Some(subject(sent.geometry.as_ref(), start)),
         end: Some(pose_out(end)),
         ignore_initial: sent.ignore_initial,

@@ -39,6 +39,11 @@ impl Account {
         Ok(Self { work, pairs, pairs_left_out: left_out })
     }
 
+    /// What was spent.
+    pub(super) fn work(&self) -> &Work {
+        &self.work
+    }
+
     /// Also what item `index` of a batch did.
     pub(super) fn add(&mut self, item: Self, index: usize) {
         self.work += item.work;

@@ -1,5 +1,6 @@
 //! The answers of a call that streams: they wait in a short queue for their reader, and what ends the call comes last.
 
+use futures_util::{StreamExt, stream::iter};
 use tokio::{
     sync::mpsc::{self, error::TrySendError},
     time::timeout,
@@ -18,6 +19,28 @@ where
     T: Send + 'static,
     W: Future<Output = Result<(), Status>> + Send + 'static,
 {
+    Box::pin(begin(most_unread, work))
+}
+
+/// The same for work that hands over several answers at a time, at most so many lists of them ahead: to wake a reader costs more
+/// than a small answer does.
+pub(super) fn stream_of_lists<T, W>(most_unread: usize, work: impl FnOnce(Unread<Vec<T>>) -> W) -> Answers<T>
+where
+    T: Send + 'static,
+    W: Future<Output = Result<(), Status>> + Send + 'static,
+{
+    let one_by_one = |list: Result<Vec<T>, Status>| match list {
+        Ok(list) => iter(list).map(Ok).left_stream(),
+        Err(status) => iter([Err(status)]).right_stream(),
+    };
+    Box::pin(begin(most_unread, work).flat_map(one_by_one))
+}
+
+fn begin<T, W>(most_unread: usize, work: impl FnOnce(Unread<T>) -> W) -> ReceiverStream<Result<T, Status>>
+where
+    T: Send + 'static,
+    W: Future<Output = Result<(), Status>> + Send + 'static,
+{
     let (answers, unread) = mpsc::channel(most_unread);
     let work = work(answers.clone());
     tokio::spawn(async move {
@@ -26,7 +49,7 @@ where
             let _ = timeout(READER_PATIENCE, answers.send(Err(status))).await;
         }
     });
-    Box::pin(ReceiverStream::new(unread))
+    ReceiverStream::new(unread)
 }
 
 /// What became of an answer that was handed to its reader.

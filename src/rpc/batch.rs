@@ -1,6 +1,6 @@
 //! `Batch`: questions of any kinds, answered on one tick; each fails by itself.
 
-use wire::v1::{self as pb, answer::Answer as Kind};
+use wire::v1 as pb;
 
 use super::{
     question,
@@ -22,7 +22,7 @@ const QUESTIONS: usize = 65_536;
 /// What is wrong with the batch itself; the deadline.
 pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb::BatchResponse> {
     at_most("questions", sent.questions.len(), QUESTIONS)?;
-    let shared = scene.shared.overridden_by(sent.options.as_ref())?;
+    let shared = scene.shared.overridden_by(sent.options.as_deref())?.into_owned();
     let info = pb::AnswerInfo {
         tick: scene.snapshot.tick().get(),
         tick_fraction: scene.snapshot.fraction(),
@@ -30,7 +30,7 @@ pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb
     };
     let scene = Scene { shared, naming: Naming::Nothing, ..scene.clone() };
     let mut answers = Vec::with_capacity(sent.questions.len());
-    let mut turns = Turns::at_work(scene.deadline);
+    let mut turns = Turns::begun(scene.deadline);
     for (index, question) in sent.questions.iter().enumerate() {
         turns.next().await?;
         answers.push(answer_one(question, &scene, index));
@@ -40,8 +40,8 @@ pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb
 
 fn answer_one(asked: &pb::Question, scene: &Scene, index: usize) -> pb::Answer {
     let answered = check(asked).and_then(|()| fenced("answering a question", || question::answer(asked, scene))?);
-    let kind = answered.under_item("questions", index).unwrap_or_else(|problem| Kind::Problem(problem.into_wire()));
-    pb::Answer { answer: Some(kind) }
+    let answered = answered.unwrap_or_else(|problem| problem.under(&format!("questions[{index}]")).into_wire().into());
+    pb::Answer { answer: Some(answered) }
 }
 
 /// Checks that a question leaves to its batch what is the batch's to say.

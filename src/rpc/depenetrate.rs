@@ -12,7 +12,7 @@ use crate::{convert::depenetrate, problem::Checked};
 /// What is wrong with the question, the deadline.
 pub(super) fn answer(sent: &pb::DepenetrateRequest, scene: &Scene) -> Checked<pb::DepenetrateResponse> {
     let question = depenetrate::depenetrate(sent, &scene.session.geometries)?;
-    let terms = scene.shared.overridden_by(sent.options.as_ref())?;
+    let terms = scene.shared.overridden_by(sent.options.as_deref())?;
     let (out, account) = scene.ask(&terms, |meter| {
         let out = scene.snapshot.depenetrate(&question, &terms.filter, &terms.accuracy, meter)?;
         Ok(Found { verdict: out.verdict, hits: vec![out], truncated: false })

@@ -14,7 +14,7 @@ use crate::{
 /// What is wrong with the question, the deadline.
 pub(super) fn answer(sent: &pb::DistanceRequest, scene: &Scene) -> Checked<pb::DistanceResponse> {
     let question = asked::distance(sent, &scene.session.geometries)?;
-    let terms = scene.shared.overridden_by(sent.options.as_ref())?;
+    let terms = scene.shared.overridden_by(sent.options.as_deref())?;
     let (hits, account) =
         scene.ask(&terms, |meter| scene.snapshot.distance(&question, &terms.filter, &terms.accuracy, meter))?;
     Ok(pb::DistanceResponse { info: scene.info(&terms, account), ..found::distance(&hits)? })

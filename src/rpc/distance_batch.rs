@@ -19,18 +19,18 @@ pub(super) async fn answer(sent: &pb::DistanceBatchRequest, scene: &Scene) -> Ch
     let max_distances = Distances::new("max_distances", &sent.max_distances, places.len())?;
     let mut items = Items::of(sent, scene)?;
     let mut hits = Hits::new(sent.want.as_ref(), places.frame_origin(), places.len());
-    for index in 0..places.len() {
+    let each = items.each(places.len(), |turn, index| {
         let (geometry, pose) = places.item(index)?;
         let max_distance = max_distances.item(index)?;
         let question =
             Distance { subject: Subject::Geometry { geometry, pose }, against: None, max_distance, max_hits: 1 };
-        let ask =
-            items.ask(index, None, |world, filter, accuracy, meter| world.distance(&question, filter, accuracy, meter));
-        let found = ask.await?;
+        let found =
+            turn.ask(index, None, |world, filter, accuracy, meter| world.distance(&question, filter, accuracy, meter))?;
         if index == 0 {
-            scene.tell(|| (trace::distance(sent, &pose, max_distance), answer::distance(&found).map(Kind::Distance)));
+            scene.tell(|| (trace::distance(sent, &pose, max_distance), answer::distance(&found).map(Kind::from)));
         }
-        hits.add(&found, max_distance)?;
-    }
+        hits.add(&found, max_distance)
+    });
+    each.await?;
     Ok(pb::DistanceBatchResponse { hits: Some(hits.finish()), info: items.info() })
 }

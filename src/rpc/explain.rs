@@ -148,13 +148,13 @@ fn answered(answer: Checked<Kind>) -> pb::Answer {
 fn subjects(question: &pb::Question) -> impl Iterator<Item = &pb::Subject> {
     let [subject, against] = match &question.question {
         Some(Asked::FirstTouch(_)) | None => [None, None],
-        Some(Asked::Raycast(it)) => [None, it.against.as_ref()],
-        Some(Asked::Overlap(it)) => [it.subject.as_ref(), it.against.as_ref()],
-        Some(Asked::Penetration(it)) => [it.subject.as_ref(), it.against.as_ref()],
-        Some(Asked::TimeOfImpact(it)) => [it.subject.as_ref(), it.against.as_ref()],
-        Some(Asked::Distance(it)) => [it.subject.as_ref(), it.against.as_ref()],
+        Some(Asked::Raycast(it)) => [None, it.against.as_deref()],
+        Some(Asked::Overlap(it)) => [it.subject.as_ref(), it.against.as_deref()],
+        Some(Asked::Penetration(it)) => [it.subject.as_ref(), it.against.as_deref()],
+        Some(Asked::TimeOfImpact(it)) => [it.subject.as_ref(), it.against.as_deref()],
+        Some(Asked::Distance(it)) => [it.subject.as_ref(), it.against.as_deref()],
         Some(Asked::MoveCharacter(it)) => [it.subject.as_ref(), None],
-        Some(Asked::Depenetrate(it)) => [it.subject.as_ref(), it.against.as_ref()],
+        Some(Asked::Depenetrate(it)) => [it.subject.as_ref(), it.against.as_deref()],
     };
     subject.into_iter().chain(against)
 }

@@ -1,7 +1,7 @@
 //! `FirstTouch`: when, in the past that is held, the subject touched something first.
 
 use tonic::{Request, Response, Status};
-use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
+use wire::v1::{self as pb, answer::Answer as Kind};
 
 use super::{Caller, Server, scene::Scene};
 use crate::{
@@ -23,7 +23,7 @@ pub(super) async fn call(
     let scene = Scene::of(server, &caller, &asked).await?;
     let answered = compute::run(Weight::Heavy, "answering a question", move || {
         let answered = answer(&asked, &scene);
-        scene.tell(|| (Asked::FirstTouch(asked), answered.clone().map(Kind::FirstTouch)));
+        scene.tell(|| (asked.into(), answered.clone().map(Kind::from)));
         answered
     })
     .await?;
@@ -36,7 +36,7 @@ pub(super) async fn call(
 /// What is wrong with the question, the deadline.
 pub(super) fn answer(sent: &pb::FirstTouchRequest, scene: &Scene) -> Checked<pb::FirstTouchResponse> {
     let question = first_touch::first_touch(sent, &scene.session.geometries, &scene.snapshot)?;
-    let terms = scene.shared.overridden_by(sent.options.as_ref())?;
+    let terms = scene.shared.overridden_by(sent.options.as_deref())?;
     let (found, account) =
         scene.ask(&terms, |meter| scene.snapshot.first_touch(&question, &terms.filter, &terms.accuracy, meter))?;
     Ok(pb::FirstTouchResponse { info: scene.info(&terms, account), ..first_touch::touched(&found)? })

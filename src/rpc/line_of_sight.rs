@@ -6,7 +6,10 @@ use collision::{
 };
 use wire::v1 as pb;
 
-use super::{items::Items, scene::Scene};
+use super::{
+    items::{Items, Turn},
+    scene::Scene,
+};
 use crate::{
     convert::sight::{SeenColumns, Watched},
     problem::Checked,
@@ -24,14 +27,18 @@ pub(super) async fn answer(sent: &pb::LineOfSightRequest, scene: &Scene) -> Chec
     for eye in 0..watched.eye_count() {
         for target in 0..watched.target_count() {
             let mut count = SeenCount::default();
-            for point in watched.points_of(target) {
+            let points = watched.points_of(target);
+            let each = items.each(points.len(), |turn, index| {
                 let is_open = count.visible < enough;
-                let seen = if is_open { Some(look(&watched, (eye, target, point), &mut items).await?) } else { None };
+                let looked = is_open.then(|| look(&watched, (eye, target, points.start + index), turn));
+                let seen = looked.transpose()?;
                 seen.into_iter().for_each(|seen| count.add(seen));
                 if sent.want_points {
                     columns.add_point(seen);
                 }
-            }
+                Ok(())
+            });
+            each.await?;
             columns.add(count);
         }
     }
@@ -39,14 +46,10 @@ pub(super) async fn answer(sent: &pb::LineOfSightRequest, scene: &Scene) -> Chec
 }
 
 /// Whether an observer sees a point of a target.
-async fn look(
-    watched: &Watched<'_>,
-    (eye, target, point): (usize, usize, usize),
-    items: &mut Items<'_>,
-) -> Checked<Seen> {
+fn look(watched: &Watched<'_>, (eye, target, point): (usize, usize, usize), turn: &mut Turn<'_>) -> Checked<Seen> {
     let sight = watched.sight(eye, point)?;
     let index = eye * watched.point_count() + point;
-    let found = items.ask(index, watched.own(eye, target), |world, filter, accuracy, meter| {
+    let found = turn.ask(index, watched.own(eye, target), |world, filter, accuracy, meter| {
         let seen = world.sight(&sight, filter, accuracy, meter)?;
         let verdict = match seen {
             Seen::Hidden => Verdict::Hit,
@@ -55,5 +58,5 @@ async fn look(
         };
         Ok(Found { verdict, hits: vec![seen], truncated: false })
     });
-    Ok(found.await?.hits[0])
+    Ok(found?.hits[0])
 }

@@ -124,9 +124,14 @@ impl Caller {
 /// # Errors
 /// It does not; `remedy` says what the caller can do.
 fn fitting<A: Message>(answer: A, remedy: &str) -> Checked<A> {
+    fits(&answer, remedy).map(|()| answer)
+}
+
+/// The same, for who keeps the answer.
+fn fits(answer: &impl Message, remedy: &str) -> Checked<()> {
     let bytes = answer.encoded_len();
     if bytes <= MESSAGE_BYTES {
-        return Ok(answer);
+        return Ok(());
     }
     let what = format!("the answer would have {bytes} bytes, and a message may have {MESSAGE_BYTES}: {remedy}");
     Err(Problem::new(Reason::QuotaExceeded, what).with("quota", "message_bytes").with("limit", MESSAGE_BYTES))

@@ -12,7 +12,7 @@ use crate::{convert::character, problem::Checked};
 /// What is wrong with the question, the deadline.
 pub(super) fn answer(sent: &pb::MoveCharacterRequest, scene: &Scene) -> Checked<pb::MoveCharacterResponse> {
     let question = character::move_character(sent, &scene.session.geometries)?;
-    let terms = scene.shared.overridden_by(sent.options.as_ref())?;
+    let terms = scene.shared.overridden_by(sent.options.as_deref())?;
     let (moved, account) = scene.ask(&terms, |meter| {
         let moved = scene.snapshot.move_character(&question, &terms.filter, &terms.accuracy, meter)?;
         Ok(Found { verdict: moved.verdict, hits: vec![moved], truncated: false })

@@ -14,7 +14,7 @@ use crate::{
 /// What is wrong with the question, the deadline.
 pub(super) fn answer(sent: &pb::OverlapRequest, scene: &Scene) -> Checked<pb::OverlapResponse> {
     let question = asked::overlap(sent, &scene.session.geometries)?;
-    let terms = scene.shared.overridden_by(sent.options.as_ref())?;
+    let terms = scene.shared.overridden_by(sent.options.as_deref())?;
     let (hits, account) =
         scene.ask(&terms, |meter| scene.snapshot.overlap(&question, &terms.filter, &terms.accuracy, meter))?;
     Ok(pb::OverlapResponse { info: scene.info(&terms, account), ..found::overlap(&hits)? })

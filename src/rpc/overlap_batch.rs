@@ -19,16 +19,17 @@ pub(super) async fn answer(sent: &pb::OverlapBatchRequest, scene: &Scene) -> Che
     let max_hits = count("max_hits_each", sent.max_hits_each, 32, 65_536)?;
     let mut items = Items::of(sent, scene)?;
     let mut touching = Touching::new(places.len());
-    for index in 0..places.len() {
+    let each = items.each(places.len(), |turn, index| {
         let (geometry, pose) = places.item(index)?;
         let question = Overlap { subject: Subject::Geometry { geometry, pose }, against: None, max_hits };
-        let ask =
-            items.ask(index, None, |world, filter, accuracy, meter| world.overlap(&question, filter, accuracy, meter));
-        let found = ask.await?;
+        let found =
+            turn.ask(index, None, |world, filter, accuracy, meter| world.overlap(&question, filter, accuracy, meter))?;
         if index == 0 {
-            scene.tell(|| (trace::overlap(sent, &pose), answer::overlap(&found).map(Kind::Overlap)));
+            scene.tell(|| (trace::overlap(sent, &pose), answer::overlap(&found).map(Kind::from)));
         }
         touching.add(&found);
-    }
+        Ok(())
+    });
+    each.await?;
     Ok(pb::OverlapBatchResponse { info: items.info(), ..touching.finish() })
 }

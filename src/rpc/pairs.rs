@@ -46,7 +46,7 @@ pub(super) async fn answer(
     let asked = request.into_inner();
     let scene = Scene::of(server, &caller, &asked).await?;
     let asking = scene.clone();
-    let terms = scene.shared.overridden_by(asked.options.as_ref())?;
+    let terms = scene.shared.overridden_by(asked.options.as_deref())?.into_owned();
     let agreed = terms.clone();
     let old = match asked.since_tick {
         Some(tick) => Some(since(tick, &scene.snapshot).await?),

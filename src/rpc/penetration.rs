@@ -14,7 +14,7 @@ use crate::{
 /// What is wrong with the question, the deadline.
 pub(super) fn answer(sent: &pb::PenetrationRequest, scene: &Scene) -> Checked<pb::PenetrationResponse> {
     let question = asked::penetration(sent, &scene.session.geometries)?;
-    let terms = scene.shared.overridden_by(sent.options.as_ref())?;
+    let terms = scene.shared.overridden_by(sent.options.as_deref())?;
     let brings_mesh = brings_mesh(sent);
     let alone = brings_mesh.then(|| scene.without_workshop());
     let scene = alone.as_ref().unwrap_or(scene);
@@ -28,7 +28,7 @@ pub(super) fn answer(sent: &pb::PenetrationRequest, scene: &Scene) -> Checked<pb
 
 /// Whether a mesh is sent with the question, not named: what is made of it is gone with the question.
 fn brings_mesh(sent: &pb::PenetrationRequest) -> bool {
-    let subjects = [&sent.subject, &sent.against].into_iter().flatten();
+    let subjects = [sent.subject.as_ref(), sent.against.as_deref()].into_iter().flatten();
     let mut forms = subjects.filter_map(|subject| match &subject.form {
         Some(Form::Geometry(geometry)) => Some(geometry),
         Some(Form::Id(_)) | None => None,

@@ -3,17 +3,21 @@
 //! # Method
 //! Each message is answered as its unary call would be, on the version that is the newest when its turn comes. Answers wait
 //! for their reader in a short queue: a slow one stops the reading of questions, and so, by the flow control of the
-//! connection, the client.
+//! connection, the client. To wake the reader for each answer would cost as much as a ray does. So answers are handed over when no
+//! further message is there, when the next one is none of the quick kinds, after some, or after some time, whatever comes first.
 
 use std::sync::Arc;
 
+use futures_util::FutureExt;
 use tonic::{Request, Status, Streaming};
-use wire::v1::{self as pb, query_stream_request::Request as Asked, query_stream_response::Response as Answered};
+use wire::v1::{
+    self as pb, query_stream_request::Request as Asked, query_stream_response::Response as Answered, question::Question,
+};
 
 use super::{
     Answers, Caller, Server,
-    answers::{Handed, Unread, hand, stream},
-    batch, distance_batch, fitting, line_of_sight, overlap_batch, question, raycast_batch,
+    answers::{Handed, Unread, hand, stream_of_lists},
+    batch, distance_batch, fits, line_of_sight, overlap_batch, question, raycast_batch,
     scene::{Asking, Scene},
     time_of_impact_batch,
     turns::Turns,
@@ -24,8 +28,10 @@ use crate::{
     problem::{Checked, Problem, Reason, Under},
 };
 
-/// Answers that wait for a reader.
-const UNREAD_ANSWERS: usize = 256;
+/// Answers that are handed over at a time, at most.
+const TOGETHER: usize = 16;
+/// Lists of answers that wait for a reader.
+const UNREAD_LISTS: usize = 16;
 
 /// Answers a stream until its client ends it.
 pub(super) fn open(
@@ -33,99 +39,132 @@ pub(super) fn open(
     request: Request<Streaming<pb::QueryStreamRequest>>,
 ) -> Answers<pb::QueryStreamResponse> {
     let caller = Caller::of(&request);
-    stream(UNREAD_ANSWERS, |answers| async move { run(&server, &caller, request.into_inner(), &answers).await })
+    stream_of_lists(UNREAD_LISTS, |answers| async move { run(&server, &caller, request.into_inner(), &answers).await })
 }
 
 async fn run(
     server: &Server,
     caller: &Caller,
     mut messages: Streaming<pb::QueryStreamRequest>,
-    answers: &Unread<pb::QueryStreamResponse>,
+    answers: &Unread<Vec<pb::QueryStreamResponse>>,
 ) -> Result<(), Status> {
-    let mut turns = Turns::of_stream(caller.deadline);
+    let mut turns = Turns::begun(caller.deadline);
+    let mut ready = Vec::new();
     loop {
-        // Messages first, as asking what else may end the call costs a lock each; a stream that never pauses is asked below.
-        let message = tokio::select! {
-            biased;
-            message = messages.message() => message.map_err(the_api_says)?,
-            () = answers.closed() => return Ok(()),
-            () = server.drain.cancelled() => None,
+        // What is there already is taken at once: asking what else may end the call costs a lock each, so a stream that never
+        // pauses is asked once a turn.
+        let came = match messages.message().now_or_never() {
+            Some(came) => came,
+            None => {
+                if hand_over(answers, &mut ready).await? == Handed::Gone {
+                    return Ok(());
+                }
+                turns.pause();
+                let came = tokio::select! {
+                    biased;
+                    came = messages.message() => came,
+                    () = answers.closed() => return Ok(()),
+                    () = server.drain.cancelled() => Ok(None),
+                };
+                turns.resume();
+                came
+            }
         };
-        if server.drain.is_cancelled() {
+        let is_over = turns.is_over();
+        let goes_on = matches!(&came, Ok(Some(message)) if is_quick(message));
+        if (!goes_on || is_over || ready.len() == TOGETHER) && hand_over(answers, &mut ready).await? == Handed::Gone {
+            return Ok(());
+        }
+        let message = came.map_err(the_api_says)?;
+        // Batches have turns of their own.
+        let has_turns = matches!(&message, Some(message) if !matches!(message.request, Some(Asked::Question(_))));
+        if (message.is_none() || is_over || has_turns) && server.drain.is_cancelled() {
             let what = "the server is stopping: ask again elsewhere, or later, what was not answered";
             return Err(Problem::new(Reason::Stopping, what).into());
         }
         let Some(message) = message else { return Ok(()) };
         turns.next().await?;
-        let answer = answer(server, caller, message).await;
-        match hand(answers, answer).await {
-            Handed::Over => {}
-            Handed::Gone => return Ok(()),
-            Handed::TooSlow => {
-                let what = "the client took no answer for 10 s: read them, and ask again";
-                return Err(Problem::new(Reason::Overloaded, what).into());
-            }
+        if has_turns {
+            turns.pause();
+        }
+        ready.push(answer(server, caller, &message).await);
+        if has_turns {
+            turns.resume();
         }
     }
 }
 
-/// The answer of one message, or why there is none.
-async fn answer(server: &Server, caller: &Caller, message: pb::QueryStreamRequest) -> pb::QueryStreamResponse {
-    let request_id = message.request_id;
-    let answered = match fenced_async("answering a question", answer_kind(server, caller, message)).await {
-        Ok(answered) => answered,
-        Err(problem) => Err(problem),
-    };
-    let fitted = answered.and_then(|answered| {
-        let response = pb::QueryStreamResponse { request_id, response: Some(answered) };
-        fitting(response, "ask for fewer hits, columns or items")
-    });
-    fitted.unwrap_or_else(|problem| pb::QueryStreamResponse {
-        request_id,
-        response: Some(Answered::Problem(problem.into_wire())),
-    })
+/// Whether a message is answered in some microseconds, so that answers before it can wait for it.
+fn is_quick(message: &pb::QueryStreamRequest) -> bool {
+    let Some(Asked::Question(asked)) = &message.request else { return false };
+    matches!(asked.question, Some(Question::Raycast(_) | Question::Overlap(_) | Question::Distance(_)))
 }
 
-async fn answer_kind(server: &Server, caller: &Caller, message: pb::QueryStreamRequest) -> Checked<Answered> {
-    match message.request {
+/// Hands over what is ready.
+///
+/// # Errors
+/// The reader makes no room.
+async fn hand_over(
+    answers: &Unread<Vec<pb::QueryStreamResponse>>,
+    ready: &mut Vec<pb::QueryStreamResponse>,
+) -> Result<Handed, Status> {
+    if ready.is_empty() {
+        return Ok(Handed::Over);
+    }
+    match hand(answers, std::mem::take(ready)).await {
+        Handed::TooSlow => {
+            let what = "the client took no answer for 10 s: read them, and ask again";
+            Err(Problem::new(Reason::Overloaded, what).into())
+        }
+        handed => Ok(handed),
+    }
+}
+
+/// The answer of one message, or why there is none. What is large is handed on by reference: a copy of every message at every step
+/// would cost more than the answers of columns do.
+async fn answer(server: &Server, caller: &Caller, message: &pb::QueryStreamRequest) -> pb::QueryStreamResponse {
+    let request_id = message.request_id;
+    let answered = fenced_async("answering a question", answer_kind(server, caller, message)).await;
+    let answered = answered.unwrap_or_else(Err).unwrap_or_else(|problem| problem.into_wire().into());
+    let response = pb::QueryStreamResponse { request_id, response: Some(answered) };
+    match fits(&response, "ask for fewer hits, columns or items") {
+        Ok(()) => response,
+        Err(problem) => pb::QueryStreamResponse { request_id, response: Some(problem.into_wire().into()) },
+    }
+}
+
+async fn answer_kind(server: &Server, caller: &Caller, message: &pb::QueryStreamRequest) -> Checked<Answered> {
+    match &message.request {
         None => {
             let what = "is absent: it is one of question, batch, raycast_batch, overlap_batch, time_of_impact_batch, \
                         distance_batch, line_of_sight, such as {\"question\": {\"raycast\": {\"direction\": {\"z\": 1}}}}";
             Err(Problem::at("request", Reason::Missing, what))
         }
-        Some(Asked::Question(sent)) => answer_question(server, caller, &sent).await.under("question"),
-        Some(Asked::Batch(sent)) => many(server, caller, "batch", &sent, batch::answer, Answered::Batch).await,
-        Some(Asked::RaycastBatch(sent)) => {
-            many(server, caller, "raycast_batch", &sent, raycast_batch::answer, Answered::RaycastBatch).await
-        }
-        Some(Asked::OverlapBatch(sent)) => {
-            many(server, caller, "overlap_batch", &sent, overlap_batch::answer, Answered::OverlapBatch).await
-        }
+        Some(Asked::Question(sent)) => answer_question(server, caller, sent).await.under("question"),
+        Some(Asked::Batch(sent)) => many(server, caller, "batch", &**sent, batch::answer).await,
+        Some(Asked::RaycastBatch(sent)) => many(server, caller, "raycast_batch", &**sent, raycast_batch::answer).await,
+        Some(Asked::OverlapBatch(sent)) => many(server, caller, "overlap_batch", &**sent, overlap_batch::answer).await,
         Some(Asked::TimeOfImpactBatch(sent)) => {
-            let answer = time_of_impact_batch::answer;
-            many(server, caller, "time_of_impact_batch", &sent, answer, Answered::TimeOfImpactBatch).await
+            many(server, caller, "time_of_impact_batch", &**sent, time_of_impact_batch::answer).await
         }
         Some(Asked::DistanceBatch(sent)) => {
-            many(server, caller, "distance_batch", &sent, distance_batch::answer, Answered::DistanceBatch).await
+            many(server, caller, "distance_batch", &**sent, distance_batch::answer).await
         }
-        Some(Asked::LineOfSight(sent)) => {
-            many(server, caller, "line_of_sight", &sent, line_of_sight::answer, Answered::LineOfSight).await
-        }
+        Some(Asked::LineOfSight(sent)) => many(server, caller, "line_of_sight", &**sent, line_of_sight::answer).await,
     }
 }
 
 /// Many questions in one message. Boxed, as otherwise a single question would carry the room that they need.
-async fn many<Q: Asking, A>(
+async fn many<Q: Asking, A: Into<Answered>>(
     server: &Server,
     caller: &Caller,
     name: &'static str,
     sent: &Q,
     answer: impl AsyncFnOnce(&Q, &Scene) -> Checked<A>,
-    kind: fn(A) -> Answered,
 ) -> Checked<Answered> {
     let answered = Box::pin(async {
         let scene = Scene::of(server, caller, sent).await?;
-        answer(sent, &scene).await.map(kind)
+        answer(sent, &scene).await.map(Into::into)
     });
     answered.await.under(name)
 }

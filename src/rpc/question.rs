@@ -31,13 +31,13 @@ pub(super) fn heading(sent: &pb::Question) -> Checked<Heading<'_>> {
     match &sent.question {
         None => Err(no_question()),
         Some(Asked::Raycast(sent)) => of("raycast", sent),
-        Some(Asked::Overlap(sent)) => of("overlap", sent),
-        Some(Asked::Penetration(sent)) => of("penetration", sent),
-        Some(Asked::TimeOfImpact(sent)) => of("time_of_impact", sent),
-        Some(Asked::Distance(sent)) => of("distance", sent),
-        Some(Asked::MoveCharacter(sent)) => of("move_character", sent),
-        Some(Asked::Depenetrate(sent)) => of("depenetrate", sent),
-        Some(Asked::FirstTouch(sent)) => of("first_touch", sent),
+        Some(Asked::Overlap(sent)) => of("overlap", &**sent),
+        Some(Asked::Penetration(sent)) => of("penetration", &**sent),
+        Some(Asked::TimeOfImpact(sent)) => of("time_of_impact", &**sent),
+        Some(Asked::Distance(sent)) => of("distance", &**sent),
+        Some(Asked::MoveCharacter(sent)) => of("move_character", &**sent),
+        Some(Asked::Depenetrate(sent)) => of("depenetrate", &**sent),
+        Some(Asked::FirstTouch(sent)) => of("first_touch", &**sent),
     }
 }
 
@@ -52,16 +52,15 @@ fn no_question() -> Problem {
 /// # Errors
 /// What is wrong with the question, the deadline.
 pub(super) fn answer(sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
-    let name = heading(sent)?.name;
-    let answered = match &sent.question {
-        Some(Asked::Raycast(sent)) => raycast::answer(sent, scene).map(Kind::Raycast),
-        Some(Asked::Overlap(sent)) => overlap::answer(sent, scene).map(Kind::Overlap),
-        Some(Asked::Penetration(sent)) => penetration::answer(sent, scene).map(Kind::Penetration),
-        Some(Asked::TimeOfImpact(sent)) => time_of_impact::answer(sent, scene).map(Kind::TimeOfImpact),
-        Some(Asked::Distance(sent)) => distance::answer(sent, scene).map(Kind::Distance),
-        Some(Asked::MoveCharacter(sent)) => move_character::answer(sent, scene).map(Kind::MoveCharacter),
-        Some(Asked::Depenetrate(sent)) => depenetrate::answer(sent, scene).map(Kind::Depenetrate),
-        Some(Asked::FirstTouch(sent)) => first_touch::answer(sent, scene).map(Kind::FirstTouch),
+    let (name, answered) = match &sent.question {
+        Some(Asked::Raycast(sent)) => ("raycast", raycast::answer(sent, scene).map(Kind::from)),
+        Some(Asked::Overlap(sent)) => ("overlap", overlap::answer(sent, scene).map(Kind::from)),
+        Some(Asked::Penetration(sent)) => ("penetration", penetration::answer(sent, scene).map(Kind::from)),
+        Some(Asked::TimeOfImpact(sent)) => ("time_of_impact", time_of_impact::answer(sent, scene).map(Kind::from)),
+        Some(Asked::Distance(sent)) => ("distance", distance::answer(sent, scene).map(Kind::from)),
+        Some(Asked::MoveCharacter(sent)) => ("move_character", move_character::answer(sent, scene).map(Kind::from)),
+        Some(Asked::Depenetrate(sent)) => ("depenetrate", depenetrate::answer(sent, scene).map(Kind::from)),
+        Some(Asked::FirstTouch(sent)) => ("first_touch", first_touch::answer(sent, scene).map(Kind::from)),
         None => return Err(no_question()),
     };
     let answered = answered.under(name);

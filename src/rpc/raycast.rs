@@ -14,8 +14,8 @@ use crate::{
 /// What is wrong with the question, the deadline.
 pub(super) fn answer(sent: &pb::RaycastRequest, scene: &Scene) -> Checked<pb::RaycastResponse> {
     let question = asked::raycast(sent)?;
-    let terms = scene.shared.overridden_by(sent.options.as_ref())?;
-    let against = asked::against(sent.against.as_ref(), &scene.session.geometries)?;
+    let terms = scene.shared.overridden_by(sent.options.as_deref())?;
+    let against = asked::against(sent.against.as_deref(), &scene.session.geometries)?;
     let (hits, account) = scene.ask(&terms, |meter| match &against {
         None => scene.snapshot.raycast(&question, &terms.filter, &terms.accuracy, meter),
         Some(against) => scene.snapshot.raycast_against(&question, against, &terms.accuracy, meter),

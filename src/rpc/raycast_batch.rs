@@ -16,15 +16,15 @@ pub(super) async fn answer(sent: &pb::RaycastBatchRequest, scene: &Scene) -> Che
     let rays = Rays::new(sent)?;
     let mut items = Items::of(sent, scene)?;
     let mut hits = Hits::new(sent.want.as_ref(), rays.frame_origin(), rays.len());
-    for index in 0..rays.len() {
+    let each = items.each(rays.len(), |turn, index| {
         let (question, ignored) = rays.item(index)?;
-        let ask = items
-            .ask(index, ignored, |world, filter, accuracy, meter| world.raycast(&question, filter, accuracy, meter));
-        let found = ask.await?;
+        let found = turn
+            .ask(index, ignored, |world, filter, accuracy, meter| world.raycast(&question, filter, accuracy, meter))?;
         if index == 0 {
-            scene.tell(|| (trace::ray(sent, &question.ray), answer::raycast(&found).map(Kind::Raycast)));
+            scene.tell(|| (trace::ray(sent, &question.ray), answer::raycast(&found).map(Kind::from)));
         }
-        hits.add(&found, question.ray.max_distance)?;
-    }
+        hits.add(&found, question.ray.max_distance)
+    });
+    each.await?;
     Ok(pb::RaycastBatchResponse { hits: Some(hits.finish()), info: items.info() })
 }

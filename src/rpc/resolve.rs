@@ -12,7 +12,7 @@ use crate::{convert::resolve, problem::Checked};
 /// What is wrong with the question, the deadline.
 pub(super) fn answer(sent: &pb::ResolveRequest, scene: &Scene) -> Checked<pb::ResolveResponse> {
     let question = resolve::resolve(sent, &scene.snapshot)?;
-    let terms = scene.shared.overridden_by(sent.options.as_ref())?;
+    let terms = scene.shared.overridden_by(sent.options.as_deref())?;
     let (resolved, account) = scene.ask(&terms, |meter| {
         let resolved = scene.snapshot.resolve(&question, &terms.filter, &terms.accuracy, meter)?;
         Ok(Found { verdict: resolved.verdict, hits: vec![resolved], truncated: false })

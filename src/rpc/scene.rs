@@ -1,6 +1,9 @@
 //! What a question is asked in: one version of a session's world, the terms it is asked on, and its deadline.
 
-use std::sync::{Arc, atomic::Ordering};
+use std::{
+    borrow::Cow,
+    sync::{Arc, atomic::Ordering},
+};
 
 use collision::{
     accuracy::Accuracy,
@@ -22,7 +25,6 @@ use crate::{
     compute::{self, Weight},
     convert::{answer, question, trace::trace},
     deadline::Deadline,
-    fence::fenced,
     problem::{Checked, Problem, Under},
     session::Session,
     token::Role,
@@ -42,8 +44,8 @@ pub(super) struct Terms {
 
 impl Terms {
     /// These terms where `own` says nothing else.
-    pub(super) fn overridden_by(&self, own: Option<&pb::QueryOptions>) -> Checked<Self> {
-        let Some(own) = own else { return Ok(self.clone()) };
+    pub(super) fn overridden_by(&self, own: Option<&pb::QueryOptions>) -> Checked<Cow<'_, Self>> {
+        let Some(own) = own else { return Ok(Cow::Borrowed(self)) };
         let filter = match &own.filter {
             Some(filter) => question::filter(Some(filter)).under("options.filter")?,
             None => self.filter.clone(),
@@ -52,7 +54,7 @@ impl Terms {
             Some(accuracy) => question::accuracy(Some(accuracy)).under("options.accuracy")?,
             None => self.accuracy,
         };
-        Ok(Self { filter, accuracy, explain: self.explain || own.explain })
+        Ok(Cow::Owned(Self { filter, accuracy, explain: self.explain || own.explain }))
     }
 }
 
@@ -138,11 +140,27 @@ impl Scene {
         Self { workshop: None, ..self.clone() }
     }
 
-    /// Asks, with a meter that stops at the deadline; notes what is done if the terms say so.
+    /// Asks, with a meter that stops at the deadline; notes what is done if the terms say so. The call around it stands behind a
+    /// fence: a panic is caught there.
     ///
     /// # Errors
-    /// What the world refuses, the deadline, a panic.
+    /// What the world refuses, the deadline.
     pub(super) fn ask<H>(
+        &self,
+        terms: &Terms,
+        asked: impl FnOnce(&mut Meter<'_>) -> Result<Found<H>, QuestionError>,
+    ) -> Checked<(Found<H>, Account)> {
+        let (found, account) = self.ask_uncounted(terms, asked)?;
+        self.count(1, u64::from(found.verdict == Verdict::Undecided));
+        Ok((found, account))
+    }
+
+    /// The same for who counts.
+    ///
+    /// # Errors
+    /// What the world refuses, the deadline.
+    #[inline]
+    pub(super) fn ask_uncounted<H>(
         &self,
         terms: &Terms,
         asked: impl FnOnce(&mut Meter<'_>) -> Result<Found<H>, QuestionError>,
@@ -154,18 +172,22 @@ impl Scene {
         if let Some(notes) = &mut notes {
             meter = meter.noting(notes);
         }
-        let found = fenced("answering a question", || asked(&mut meter));
+        let found = asked(&mut meter);
         let work = meter.work;
         if let (Some(touched), Some(notes)) = (&self.touched, &notes) {
             touched.add(notes);
         }
-        let found = found?.map_err(|error| self.refused(&error))?;
-        let counters = &self.session.counters;
-        counters.questions.fetch_add(1, Ordering::Relaxed);
-        if found.verdict == Verdict::Undecided {
-            counters.undecided.fetch_add(1, Ordering::Relaxed);
-        }
+        let found = found.map_err(|error| self.refused(&error))?;
         Ok((found, Account::of(work, notes.as_ref())?))
+    }
+
+    /// Counts questions that were answered, and how many of them stayed undecided.
+    pub(super) fn count(&self, question_count: u64, undecided_count: u64) {
+        let counters = &self.session.counters;
+        counters.questions.fetch_add(question_count, Ordering::Relaxed);
+        if undecided_count > 0 {
+            counters.undecided.fetch_add(undecided_count, Ordering::Relaxed);
+        }
     }
 
     /// Tells those who watch what was asked and answered; if nobody does, that costs nothing.
@@ -225,17 +247,17 @@ macro_rules! asking {
             }
 
             fn options(&self) -> Option<&pb::QueryOptions> {
-                self.options.as_ref()
+                self.options.as_deref()
             }
 
             $(fn of_any_kind(&self) -> Option<Asked> {
-                Some(Asked::$kind(self.clone()))
+                Some(Asked::$kind(self.clone().into()))
             })?
         }
 
         $(impl Answering for $answer {
             fn of_any_kind(&self) -> Option<Kind> {
-                Some(Kind::$kind(self.clone()))
+                Some(Kind::$kind(self.clone().into()))
             }
         })?)*
     };

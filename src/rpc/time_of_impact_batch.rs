@@ -24,7 +24,7 @@ pub(super) async fn answer(
     let ways = Ways::new(sent, &scene.session.geometries)?;
     let mut items = Items::of(sent, scene)?;
     let mut hits = Hits::new(sent.want.as_ref(), ways.frame_origin(), ways.len());
-    for index in 0..ways.len() {
+    let each = items.each(ways.len(), |turn, index| {
         let (start, end) = ways.item(index)?;
         let question = TimeOfImpact {
             subject: Subject::Geometry { geometry: ways.geometry(), pose: start },
@@ -36,15 +36,15 @@ pub(super) async fn answer(
             initial: if sent.ignore_initial { InitialTouch::IsIgnored } else { InitialTouch::Counts },
             mode: HitMode::Closest,
         };
-        let ask = items.ask(index, None, |world, filter, accuracy, meter| {
+        let found = turn.ask(index, None, |world, filter, accuracy, meter| {
             world.time_of_impact(&question, filter, accuracy, meter)
-        });
-        let found = ask.await?;
+        })?;
         if index == 0 {
             let asked = || trace::time_of_impact(sent, &start, &end);
-            scene.tell(|| (asked(), answer::time_of_impact(&found).map(Kind::TimeOfImpact)));
+            scene.tell(|| (asked(), answer::time_of_impact(&found).map(Kind::from)));
         }
-        hits.add(&found, 1.0)?;
-    }
+        hits.add(&found, 1.0)
+    });
+    each.await?;
     Ok(pb::TimeOfImpactBatchResponse { hits: Some(hits.finish()), info: items.info() })
 }

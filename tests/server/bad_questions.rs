@@ -43,8 +43,10 @@ fn wrong_rays_themselves() -> Vec<(pb::RaycastRequest, Refusal)> {
 
 fn wrong_options() -> Vec<(pb::RaycastRequest, Refusal)> {
     let with_options = |options| pb::RaycastRequest { options: Some(options), ..ray_along_z() };
-    let exact = |accuracy| with_options(pb::QueryOptions { accuracy: Some(accuracy), ..pb::QueryOptions::default() });
-    let filtered = |filter| with_options(pb::QueryOptions { filter: Some(filter), ..pb::QueryOptions::default() });
+    let exact =
+        |accuracy| with_options(Box::new(pb::QueryOptions { accuracy: Some(accuracy), ..pb::QueryOptions::default() }));
+    let filtered =
+        |filter| with_options(Box::new(pb::QueryOptions { filter: Some(filter), ..pb::QueryOptions::default() }));
     let accuracy = pb::Accuracy::default;
     let filter = pb::Filter::default;
     vec![
@@ -114,7 +116,7 @@ async fn wrong_questions_about_subjects_are_refused() {
     assert_invalid(&status, ("OUT_OF_LIMITS", "max_distance", &["4e12"]));
     let against = pb::DistanceRequest {
         subject: Some(pb::Subject::default()),
-        against: Some(subject(sphere(0.0), at(0.0, 0.0, 0.0))),
+        against: Some(Box::new(subject(sphere(0.0), at(0.0, 0.0, 0.0)))),
         ..pb::DistanceRequest::default()
     };
     let status = bench.questions.distance(against).await.unwrap_err();

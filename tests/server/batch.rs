@@ -9,7 +9,7 @@ async fn a_batch_is_answered_on_one_tick_and_fails_item_by_item() {
     let mut bench = readme_world().await;
     let question = |question| pb::Question { question: Some(question) };
     let named = pb::RaycastRequest { session: "default".to_owned(), ..ray_along_z() };
-    let pinned = pb::RaycastRequest { options: Some(read_at(At::Tick(2))), ..ray_along_z() };
+    let pinned = pb::RaycastRequest { options: Some(Box::new(read_at(At::Tick(2)))), ..ray_along_z() };
     let request = pb::BatchRequest {
         questions: vec![
             question(Question::Raycast(ray_along_z())),
@@ -17,11 +17,11 @@ async fn a_batch_is_answered_on_one_tick_and_fails_item_by_item() {
             pb::Question::default(),
             question(Question::Raycast(named)),
             question(Question::Raycast(pinned)),
-            question(Question::MoveCharacter(pb::MoveCharacterRequest::default())),
-            question(Question::Distance(pb::DistanceRequest {
+            question(Question::MoveCharacter(Box::new(pb::MoveCharacterRequest::default()))),
+            question(Question::Distance(Box::new(pb::DistanceRequest {
                 subject: Some(pb::Subject::default()),
                 ..pb::DistanceRequest::default()
-            })),
+            }))),
         ],
         ..pb::BatchRequest::default()
     };
@@ -53,11 +53,14 @@ async fn a_batch_gives_the_same_answers_as_single_questions_and_items_override_i
         filter: Some(pb::Filter { exclude_ids: ids.to_vec(), ..pb::Filter::default() }),
         ..pb::QueryOptions::default()
     };
-    let overriding = pb::RaycastRequest { options: Some(exclude(&[7])), ..ray_along_z() };
+    let overriding = pb::RaycastRequest { options: Some(Box::new(exclude(&[7]))), ..ray_along_z() };
     let single = bench.questions.raycast(ray_along_z()).await.unwrap().into_inner();
     let questions = [ray_along_z(), overriding].map(|ray| pb::Question { question: Some(Question::Raycast(ray)) });
-    let request =
-        pb::BatchRequest { questions: questions.to_vec(), options: Some(exclude(&[1])), ..pb::BatchRequest::default() };
+    let request = pb::BatchRequest {
+        questions: questions.to_vec(),
+        options: Some(Box::new(exclude(&[1]))),
+        ..pb::BatchRequest::default()
+    };
     let response = bench.questions.batch(request).await.unwrap().into_inner();
     let hits: Vec<_> = response
         .answers

@@ -46,7 +46,7 @@ async fn a_character_walks_up_a_step_to_a_wall_and_stands() {
     assert!(stopped.position.unwrap().x < 1.0);
     assert_eq!(stopped.ground.unwrap().id, 1);
     // In a batch it is the same answer.
-    let question = pb::Question { question: Some(Asked::MoveCharacter(request.clone())) };
+    let question = pb::Question { question: Some(Asked::MoveCharacter(Box::new(request.clone()))) };
     let batch = pb::BatchRequest { questions: vec![question], ..pb::BatchRequest::default() };
     let answers = bench.questions.batch(batch).await.unwrap().into_inner().answers;
     let Some(Kind::MoveCharacter(moved)) = &answers[0].answer else { panic!("{answers:?}") };

@@ -40,9 +40,9 @@ fn all_columns() -> Option<pb::ColumnChoice> {
     Some(pb::ColumnChoice { points: true, normals: true, features: true, intervals: true })
 }
 
-fn exact() -> Option<pb::QueryOptions> {
+fn exact() -> Option<Box<pb::QueryOptions>> {
     let accuracy = Some(pb::Accuracy { tier: pb::Tier::Exact.into(), ..pb::Accuracy::default() });
-    Some(pb::QueryOptions { accuracy, ..pb::QueryOptions::default() })
+    Some(Box::new(pb::QueryOptions { accuracy, ..pb::QueryOptions::default() }))
 }
 
 async fn one_by_one(bench: &mut Bench, questions: Vec<Asked>) -> Vec<Kind> {
@@ -176,7 +176,11 @@ async fn distances_as_columns_answer_as_distances_one_by_one() {
     let form = cuboid(0.25, 0.5, 0.75);
     let question = |index| {
         let subject = Some(subject(form.clone(), pose_of(&positions, index, TURNED)));
-        Asked::Distance(pb::DistanceRequest { subject, max_distance: Some(0.75), ..pb::DistanceRequest::default() })
+        Asked::Distance(Box::new(pb::DistanceRequest {
+            subject,
+            max_distance: Some(0.75),
+            ..pb::DistanceRequest::default()
+        }))
     };
     let singles = one_by_one(&mut bench, (0..200).map(question).collect()).await;
     let singles: Vec<_> = singles
@@ -214,12 +218,12 @@ async fn ways_as_columns_answer_as_ways_one_by_one() {
     let ends: Vec<f32> = starts.iter().zip(numbers(600, 5)).map(|(start, way)| start + 0.25 * way).collect();
     let form = cuboid(0.25, 0.5, 0.25);
     let question = |index| {
-        Asked::TimeOfImpact(pb::TimeOfImpactRequest {
+        Asked::TimeOfImpact(Box::new(pb::TimeOfImpactRequest {
             subject: Some(subject(form.clone(), pose_of(&starts, index, [0.0, 0.0, 0.0, 1.0]))),
             end: Some(pose_of(&ends, index, TURNED)),
             ignore_initial: true,
             ..pb::TimeOfImpactRequest::default()
-        })
+        }))
     };
     let singles = one_by_one(&mut bench, (0..200).map(question).collect()).await;
     let singles: Vec<_> = singles
@@ -259,7 +263,7 @@ async fn places_as_columns_answer_as_overlaps_one_by_one() {
     let question = |index: usize| {
         let form = pb::Geometry { scale: Some(scales[index].into()), ..cuboid(0.25, 0.5, 0.75) };
         let subject = Some(subject(form, pose_of(&positions, index, TURNED)));
-        Asked::Overlap(pb::OverlapRequest { subject, max_hits: 2, ..pb::OverlapRequest::default() })
+        Asked::Overlap(Box::new(pb::OverlapRequest { subject, max_hits: 2, ..pb::OverlapRequest::default() }))
     };
     let singles = one_by_one(&mut bench, (0..200).map(question).collect()).await;
     let request = pb::OverlapBatchRequest {

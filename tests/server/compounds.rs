@@ -58,7 +58,7 @@ async fn every_question_names_the_part() {
     let floor = pb::HalfSpace { normal: None, offset: 0.0 };
     let request = pb::DistanceRequest {
         subject: Some(subject(table(), at(0.0, 3.0, 0.0))),
-        against: Some(subject(geometry(Kind::HalfSpace(floor)), at(0.0, 0.0, 0.0))),
+        against: Some(Box::new(subject(geometry(Kind::HalfSpace(floor)), at(0.0, 0.0, 0.0)))),
         ..pb::DistanceRequest::default()
     };
     let found = bench.questions.distance(request).await.unwrap().into_inner();

@@ -42,7 +42,7 @@ async fn a_crate_is_moved_out_of_the_floor_and_the_wall() {
     };
     let again = bench.questions.depenetrate(again).await.unwrap().into_inner();
     assert_eq!((again.translation, again.passes, again.verdict()), (Some(vec3(0.0, 0.0, 0.0)), 0, pb::Verdict::Miss));
-    let apart = pb::DepenetrateRequest { gap: 0.125, against: Some(subject_shape(1)), ..crate_at(2.5, 0.75) };
+    let apart = pb::DepenetrateRequest { gap: 0.125, against: Some(Box::new(subject_shape(1))), ..crate_at(2.5, 0.75) };
     let apart = bench.questions.depenetrate(apart).await.unwrap().into_inner();
     assert!(is_near(apart.position, 2.5, 1.125), "{apart:?}");
     let held = pb::DepenetrateRequest { max_distance: Some(0.125), ..crate_at(0.0, 0.75) };
@@ -58,7 +58,7 @@ async fn a_shape_of_the_world_is_asked_in_a_batch_and_stays_where_it_is() {
     let request = pb::DepenetrateRequest { subject: Some(subject_shape(7)), ..pb::DepenetrateRequest::default() };
     let out = bench.questions.depenetrate(request.clone()).await.unwrap().into_inner();
     assert!(is_near(out.position, 0.0, 1.0), "{out:?}");
-    let question = pb::Question { question: Some(Asked::Depenetrate(request)) };
+    let question = pb::Question { question: Some(Asked::Depenetrate(Box::new(request))) };
     let batch = pb::BatchRequest { questions: vec![question], ..pb::BatchRequest::default() };
     let answers = bench.questions.batch(batch).await.unwrap().into_inner().answers;
     let Some(Kind::Depenetrate(same)) = &answers[0].answer else { panic!("{answers:?}") };
@@ -88,7 +88,7 @@ async fn wrong_questions_are_told_what_is_wrong() {
     for (request, refusal) in wrong {
         assert_invalid(&bench.questions.depenetrate(request).await.unwrap_err(), refusal);
     }
-    let gone = pb::DepenetrateRequest { against: Some(subject_shape(9)), ..crate_at(0.0, 0.0) };
+    let gone = pb::DepenetrateRequest { against: Some(Box::new(subject_shape(9))), ..crate_at(0.0, 0.0) };
     let status = bench.questions.depenetrate(gone).await.unwrap_err();
     assert_refused(&status, tonic::Code::NotFound, "SHAPE_NOT_FOUND", "against.id", &["9"]);
 }

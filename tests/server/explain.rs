@@ -4,8 +4,8 @@ use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
 
 use crate::harness::{Bench, at, cuboid, geometry, insert, shape, sphere, subject, vec3};
 
-fn explaining() -> Option<pb::QueryOptions> {
-    Some(pb::QueryOptions { explain: true, ..pb::QueryOptions::default() })
+fn explaining() -> Option<Box<pb::QueryOptions>> {
+    Some(Box::new(pb::QueryOptions { explain: true, ..pb::QueryOptions::default() }))
 }
 
 /// Balls 1 to 20 in a row along x, a metre apart, and a box 100 under all.
@@ -26,25 +26,35 @@ pub(crate) fn questions() -> Vec<Asked> {
             mode: pb::HitMode::All.into(),
             ..pb::RaycastRequest::default()
         }),
-        Asked::Overlap(pb::OverlapRequest { subject: ball(5.0), ..pb::OverlapRequest::default() }),
-        Asked::Penetration(pb::PenetrationRequest { subject: ball(5.0), ..pb::PenetrationRequest::default() }),
-        Asked::TimeOfImpact(pb::TimeOfImpactRequest {
+        Asked::Overlap(Box::new(pb::OverlapRequest { subject: ball(5.0), ..pb::OverlapRequest::default() })),
+        Asked::Penetration(Box::new(pb::PenetrationRequest {
+            subject: ball(5.0),
+            ..pb::PenetrationRequest::default()
+        })),
+        Asked::TimeOfImpact(Box::new(pb::TimeOfImpactRequest {
             subject: Some(subject(sphere(0.2), at(-3.0, 0.3, 0.0))),
             end: Some(at(9.0, 0.3, 0.0)),
             mode: pb::HitMode::All.into(),
             ..pb::TimeOfImpactRequest::default()
-        }),
-        Asked::Distance(pb::DistanceRequest { subject: ball(5.0), max_hits: 3, ..pb::DistanceRequest::default() }),
-        Asked::MoveCharacter(pb::MoveCharacterRequest {
+        })),
+        Asked::Distance(Box::new(pb::DistanceRequest {
+            subject: ball(5.0),
+            max_hits: 3,
+            ..pb::DistanceRequest::default()
+        })),
+        Asked::MoveCharacter(Box::new(pb::MoveCharacterRequest {
             subject: Some(subject(sphere(0.3), at(-3.0, 0.5, 0.0))),
             translation: Some(vec3(6.0, -1.0, 0.0)),
             ..pb::MoveCharacterRequest::default()
-        }),
-        Asked::Depenetrate(pb::DepenetrateRequest { subject: ball(5.0), ..pb::DepenetrateRequest::default() }),
+        })),
+        Asked::Depenetrate(Box::new(pb::DepenetrateRequest {
+            subject: ball(5.0),
+            ..pb::DepenetrateRequest::default()
+        })),
     ]
 }
 
-pub(crate) fn options_of(asked: &mut Asked) -> &mut Option<pb::QueryOptions> {
+pub(crate) fn options_of(asked: &mut Asked) -> &mut Option<Box<pb::QueryOptions>> {
     match asked {
         Asked::Raycast(it) => &mut it.options,
         Asked::Overlap(it) => &mut it.options,
@@ -112,7 +122,7 @@ async fn a_pair_names_both_shapes_its_method_and_what_is_proved() {
     let mut bench = row().await;
     let request = pb::DistanceRequest {
         subject: Some(crate::harness::subject_shape(7)),
-        against: Some(crate::harness::subject_shape(9)),
+        against: Some(Box::new(crate::harness::subject_shape(9))),
         max_distance: Some(0.5),
         options: explaining(),
         ..pb::DistanceRequest::default()

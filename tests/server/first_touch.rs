@@ -32,9 +32,9 @@ async fn a_touch_between_two_ticks_is_found_in_the_past() {
     assert_eq!((impact.id, impact.fraction, impact.initial), (3, Some(0.5), false));
     assert_eq!(found.info.unwrap().tick, 6);
     // Ball 3 is not there any more, but was at tick 4.
-    let pair = pb::FirstTouchRequest { against: Some(subject_shape(3)), ..since(2) };
+    let pair = pb::FirstTouchRequest { against: Some(Box::new(subject_shape(3))), ..since(2) };
     assert_eq!(bench.questions.first_touch(pair.clone()).await.unwrap().into_inner().hits, found.hits);
-    let other = pb::FirstTouchRequest { against: Some(subject_shape(2)), ..since(2) };
+    let other = pb::FirstTouchRequest { against: Some(Box::new(subject_shape(2))), ..since(2) };
     let missed = bench.questions.first_touch(other).await.unwrap().into_inner();
     assert_eq!((missed.verdict(), missed.hits.len()), (pb::Verdict::Miss, 0));
     let early = pb::FirstTouchRequest { to_tick: 4, ..since(2) };
@@ -48,11 +48,11 @@ async fn a_touch_between_two_ticks_is_found_in_the_past() {
     // The shooter's own body is left out, at its id now.
     let exclude = |ids: &[u64]| {
         let filter = pb::Filter { exclude_ids: ids.to_vec(), ..pb::Filter::default() };
-        Some(pb::QueryOptions { filter: Some(filter), ..pb::QueryOptions::default() })
+        Some(Box::new(pb::QueryOptions { filter: Some(filter), ..pb::QueryOptions::default() }))
     };
     let without = pb::FirstTouchRequest { options: exclude(&[3]), ..since(2) };
     assert_eq!(bench.questions.first_touch(without).await.unwrap().into_inner().verdict(), pb::Verdict::Miss);
-    let question = pb::Question { question: Some(Asked::FirstTouch(pair)) };
+    let question = pb::Question { question: Some(Asked::FirstTouch(Box::new(pair))) };
     let batch = pb::BatchRequest { questions: vec![question], ..pb::BatchRequest::default() };
     let answers = bench.questions.batch(batch).await.unwrap().into_inner().answers;
     let Some(Kind::FirstTouch(same)) = &answers[0].answer else { panic!("{answers:?}") };
@@ -70,7 +70,7 @@ async fn ticks_out_of_range_and_shapes_that_never_were_are_told() {
     let unmade = pb::FirstTouchRequest { to_tick: 9, ..since(2) };
     let unmade = bench.questions.first_touch(unmade).await.unwrap_err();
     assert_refused(&unmade, Code::OutOfRange, "TICK_NOT_HELD", "to_tick", &["is 9", "newest 6"]);
-    let never = pb::FirstTouchRequest { against: Some(subject_shape(9)), ..since(2) };
+    let never = pb::FirstTouchRequest { against: Some(Box::new(subject_shape(9))), ..since(2) };
     let never = bench.questions.first_touch(never).await.unwrap_err();
     assert_refused(&never, Code::NotFound, "SHAPE_NOT_FOUND", "against.id", &["9"]);
     let settings = pb::WorldSettings { history_ticks: Some(1), ..pb::WorldSettings::default() };

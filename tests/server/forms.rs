@@ -107,7 +107,7 @@ async fn a_half_space_is_asked_against_but_never_the_subject() {
     let mut bench = world_of(floor()).await;
     let request = pb::DistanceRequest {
         subject: Some(subject(sphere(0.5), at(0.0, 3.0, 0.0))),
-        against: Some(subject(floor(), at(0.0, -1.0, 0.0))),
+        against: Some(Box::new(subject(floor(), at(0.0, -1.0, 0.0)))),
         ..pb::DistanceRequest::default()
     };
     let answer = bench.questions.distance(request).await.unwrap().into_inner();

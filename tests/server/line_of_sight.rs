@@ -73,17 +73,20 @@ async fn it_is_asked_at_a_tick_and_goes_onto_the_stream() {
     let mut bench = yard().await;
     bench.edit(vec![move_to(1, at(5.0, 1.0, 90.0))]).await.unwrap();
     assert_eq!(seen(&mut bench, look()).await.visible, [2, 1, 2, 1], "the wall is gone");
-    let past = pb::LineOfSightRequest { options: Some(read_at(At::Tick(2))), ..look() };
+    let past = pb::LineOfSightRequest { options: Some(Box::new(read_at(At::Tick(2)))), ..look() };
     let answer = seen(&mut bench, past.clone()).await;
     assert_eq!((answer.visible.as_slice(), answer.info.as_ref().unwrap().tick), (&[0, 1, 1, 1][..], 2));
     let messages = vec![
-        pb::QueryStreamRequest { request_id: 4, request: Some(Asked::LineOfSight(past)) },
-        pb::QueryStreamRequest { request_id: 5, request: Some(Asked::LineOfSight(pb::LineOfSightRequest::default())) },
+        pb::QueryStreamRequest { request_id: 4, request: Some(Asked::LineOfSight(Box::new(past))) },
+        pb::QueryStreamRequest {
+            request_id: 5,
+            request: Some(Asked::LineOfSight(Box::new(pb::LineOfSightRequest::default()))),
+        },
     ];
     let stream = bench.questions.query_stream(tokio_stream::iter(messages)).await.unwrap();
     let mut answers = stream.into_inner();
     let first = answers.message().await.unwrap().unwrap();
-    assert_eq!((first.request_id, first.response), (4, Some(Answered::LineOfSight(answer))));
+    assert_eq!((first.request_id, first.response), (4, Some(Answered::LineOfSight(Box::new(answer)))));
     let Some(Answered::Problem(problem)) = answers.message().await.unwrap().unwrap().response else { panic!() };
     assert_eq!((problem.field.as_str(), problem.reason.as_str()), ("line_of_sight.eyes", "MISSING"));
 }
@@ -116,7 +119,7 @@ async fn wrong_columns_are_told_by_name() {
     for (request, refusal) in wrong {
         assert_invalid(&bench.questions.line_of_sight(request).await.unwrap_err(), refusal);
     }
-    let unmade = pb::LineOfSightRequest { options: Some(read_at(At::Tick(99))), ..look() };
+    let unmade = pb::LineOfSightRequest { options: Some(Box::new(read_at(At::Tick(99)))), ..look() };
     let status = bench.questions.line_of_sight(unmade).await.unwrap_err();
     assert_eq!(status.code(), Code::OutOfRange);
     let far = pb::LineOfSightRequest { frame_origin: Some(vec3(1e12, 0.0, 0.0)), eyes: vec![1e6, 0.0, 0.0], ..look() };

@@ -35,7 +35,7 @@ async fn row() -> Bench {
 async fn they_ascend_and_say_what_was_read() {
     let mut bench = row().await;
     let options = pb::QueryOptions { explain: true, ..pb::QueryOptions::default() };
-    let request = pb::PairsRequest { options: Some(options), ..pb::PairsRequest::default() };
+    let request = pb::PairsRequest { options: Some(Box::new(options)), ..pb::PairsRequest::default() };
     let parts = ask(&mut bench, request).await.unwrap();
     assert_eq!(parts.len(), 1);
     assert_eq!(ids(&parts[0]), [(1, 2), (1, 3)]);
@@ -51,7 +51,7 @@ async fn the_filter_holds_for_both_shapes_and_an_empty_list_names_its_tick() {
     let without = |id| {
         let filter = pb::Filter { exclude_ids: vec![id], ..pb::Filter::default() };
         let options = pb::QueryOptions { filter: Some(filter), ..read_at(At::MinTick(2)) };
-        pb::PairsRequest { options: Some(options), ..pb::PairsRequest::default() }
+        pb::PairsRequest { options: Some(Box::new(options)), ..pb::PairsRequest::default() }
     };
     assert_eq!(ids(&ask(&mut bench, without(3)).await.unwrap()[0]), [(1, 2)]);
     let parts = ask(&mut bench, without(1)).await.unwrap();
@@ -64,7 +64,7 @@ async fn what_is_wrong_is_refused_before_the_first_message() {
     let unknown = pb::PairsRequest { session: "nowhere".to_owned(), ..pb::PairsRequest::default() };
     let status = ask(&mut bench, unknown).await.unwrap_err();
     assert_refused(&status, Code::NotFound, "SESSION_NOT_FOUND", "", &["nowhere"]);
-    let later = pb::PairsRequest { options: Some(read_at(At::Tick(99))), ..pb::PairsRequest::default() };
+    let later = pb::PairsRequest { options: Some(Box::new(read_at(At::Tick(99)))), ..pb::PairsRequest::default() };
     let status = ask(&mut bench, later).await.unwrap_err();
     assert_refused(&status, Code::OutOfRange, "TICK_NOT_HELD", "options.read_at.tick", &["99"]);
 }
@@ -108,11 +108,11 @@ async fn what_changed_since_a_tick_is_told_pair_by_pair() {
     assert_eq!(parts[0].info.as_ref().unwrap().tick, 3);
     assert_eq!(ids(&ask(&mut bench, since(3)).await.unwrap()[0]), [], "nothing since now");
     assert_eq!(ids(&ask(&mut bench, since(1)).await.unwrap()[0]), [(1, 3), (2, 4)]);
-    let then = pb::PairsRequest { options: Some(read_at(At::Tick(2))), ..since(1) };
+    let then = pb::PairsRequest { options: Some(Box::new(read_at(At::Tick(2)))), ..since(1) };
     let then = ask(&mut bench, then).await.unwrap();
     assert_eq!((ids(&then[0]), then[0].info.as_ref().unwrap().tick), (vec![(1, 2), (1, 3)], 2));
     assert!(ask(&mut bench, pb::PairsRequest::default()).await.unwrap()[0].changes.is_empty());
-    let late = pb::PairsRequest { options: Some(read_at(At::Tick(2))), ..since(3) };
+    let late = pb::PairsRequest { options: Some(Box::new(read_at(At::Tick(2)))), ..since(3) };
     assert_invalid(&ask(&mut bench, late).await.unwrap_err(), ("OUT_OF_LIMITS", "since_tick", &["after tick 2"]));
     assert_invalid(&ask(&mut bench, since(0)).await.unwrap_err(), ("OUT_OF_LIMITS", "since_tick", &["begin at 1"]));
     let settings = pb::WorldSettings { history_ticks: Some(0), ..pb::WorldSettings::default() };

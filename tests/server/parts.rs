@@ -116,10 +116,10 @@ async fn a_question_that_names_an_error_has_parts_made_and_is_answered_once_they
     bench.edit(vec![insert(shape(1, geometry(Kind::Compound(compound)), at(0.0, 0.0, 0.0)))]).await.expect("it fits");
     let ask = |max_error: f64| pb::PenetrationRequest {
         subject: Some(subject(named(&id), at(1.75, 0.25, 0.5))),
-        options: Some(pb::QueryOptions {
+        options: Some(Box::new(pb::QueryOptions {
             accuracy: Some(pb::Accuracy { max_error: Some(max_error), ..pb::Accuracy::default() }),
             ..pb::QueryOptions::default()
-        }),
+        })),
         ..pb::PenetrationRequest::default()
     };
     let refused = bench.questions.penetration(ask(0.0)).await.expect_err("no error is named");

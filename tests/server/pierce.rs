@@ -49,7 +49,7 @@ async fn a_shot_lists_what_it_goes_through_and_ends_at_the_wall() {
     let list: Vec<_> = found.hits.iter().map(|hit| (hit.id, hit.fraction(), hit.pierced)).collect();
     assert_eq!(list, [(1, 0.09375, true), (2, 0.1875, true), (3, 0.34375, false)]);
     // In a batch it is the same answer.
-    let question = pb::Question { question: Some(Question::TimeOfImpact(cast())) };
+    let question = pb::Question { question: Some(Question::TimeOfImpact(Box::new(cast()))) };
     let batch = pb::BatchRequest { questions: vec![question], ..pb::BatchRequest::default() };
     let answers = bench.questions.batch(batch).await.unwrap().into_inner().answers;
     let Some(Answer::TimeOfImpact(same)) = &answers[0].answer else { panic!("{answers:?}") };

@@ -168,7 +168,7 @@ async fn an_answer_over_4_mib_is_refused_with_what_to_do() {
     let request =
         pb::OverlapRequest { subject: Some(pb::Subject::default()), max_hits: 65_536, ..pb::OverlapRequest::default() };
     let batch = pb::BatchRequest {
-        questions: vec![pb::Question { question: Some(pb::question::Question::Overlap(request.clone())) }; 3],
+        questions: vec![pb::Question { question: Some(pb::question::Question::Overlap(Box::new(request.clone()))) }; 3],
         ..pb::BatchRequest::default()
     };
     let status = bench.questions.batch(batch).await.map(|_| ()).unwrap_err();
@@ -185,8 +185,10 @@ async fn overload_is_refused_quickly_and_passes() {
     settings.max_in_flight = 1;
     let bench = Bench::start_with(settings).await;
     // Waits for a tick that never comes, and so holds the only place.
-    let waiting =
-        pb::RaycastRequest { options: Some(crate::harness::read_at(pb::read_at::At::MinTick(9))), ..ray_along_z() };
+    let waiting = pb::RaycastRequest {
+        options: Some(Box::new(crate::harness::read_at(pb::read_at::At::MinTick(9)))),
+        ..ray_along_z()
+    };
     let mut questions = bench.questions.clone();
     let holder = tokio::spawn(async move { questions.raycast(waiting).await });
     tokio::time::sleep(Duration::from_millis(50)).await;
@@ -225,8 +227,10 @@ async fn a_stop_cuts_off_what_still_runs_at_the_drain_limit() {
     let mut settings = settings();
     settings.drain_limit = Duration::from_millis(100);
     let bench = Bench::start_with(settings).await;
-    let waiting =
-        pb::RaycastRequest { options: Some(crate::harness::read_at(pb::read_at::At::MinTick(9))), ..ray_along_z() };
+    let waiting = pb::RaycastRequest {
+        options: Some(Box::new(crate::harness::read_at(pb::read_at::At::MinTick(9)))),
+        ..ray_along_z()
+    };
     let mut questions = bench.questions.clone();
     let call = tokio::spawn(async move { questions.raycast(waiting).await });
     tokio::time::sleep(Duration::from_millis(50)).await;

@@ -41,7 +41,10 @@ fn ray() -> Sent {
 }
 
 fn rays(count: usize) -> Sent {
-    Sent::RaycastBatch(pb::RaycastBatchRequest { directions: [0.0, 0.0, 1.0].repeat(count), ..Default::default() })
+    Sent::RaycastBatch(Box::new(pb::RaycastBatchRequest {
+        directions: [0.0, 0.0, 1.0].repeat(count),
+        ..Default::default()
+    }))
 }
 
 #[tokio::test]
@@ -64,15 +67,15 @@ async fn every_kind_is_answered_in_order_as_its_unary_call_is() {
     let mut stream = Stream::open(&mut bench).await;
     let asked = [
         ray(),
-        question(Asked::Overlap(overlap.clone())),
-        question(Asked::Penetration(penetration.clone())),
-        question(Asked::Distance(distance.clone())),
-        question(Asked::TimeOfImpact(way.clone())),
-        Sent::Batch(batch.clone()),
-        Sent::RaycastBatch(columns.clone()),
-        Sent::OverlapBatch(places.clone()),
-        Sent::DistanceBatch(near.clone()),
-        Sent::TimeOfImpactBatch(ways.clone()),
+        question(Asked::Overlap(Box::new(overlap.clone()))),
+        question(Asked::Penetration(Box::new(penetration.clone()))),
+        question(Asked::Distance(Box::new(distance.clone()))),
+        question(Asked::TimeOfImpact(Box::new(way.clone()))),
+        Sent::Batch(Box::new(batch.clone())),
+        Sent::RaycastBatch(Box::new(columns.clone())),
+        Sent::OverlapBatch(Box::new(places.clone())),
+        Sent::DistanceBatch(Box::new(near.clone())),
+        Sent::TimeOfImpactBatch(Box::new(ways.clone())),
     ];
     for (index, request) in asked.into_iter().enumerate() {
         stream.send(100 + index as u64, request).await;
@@ -85,10 +88,10 @@ async fn every_kind_is_answered_in_order_as_its_unary_call_is() {
         answer(Kind::Distance(unary.distance(distance).await.unwrap().into_inner())),
         answer(Kind::TimeOfImpact(unary.time_of_impact(way).await.unwrap().into_inner())),
         Answered::Batch(unary.batch(batch).await.unwrap().into_inner()),
-        Answered::RaycastBatch(unary.raycast_batch(columns).await.unwrap().into_inner()),
-        Answered::OverlapBatch(unary.overlap_batch(places).await.unwrap().into_inner()),
-        Answered::DistanceBatch(unary.distance_batch(near).await.unwrap().into_inner()),
-        Answered::TimeOfImpactBatch(unary.time_of_impact_batch(ways).await.unwrap().into_inner()),
+        Answered::RaycastBatch(Box::new(unary.raycast_batch(columns).await.unwrap().into_inner())),
+        Answered::OverlapBatch(Box::new(unary.overlap_batch(places).await.unwrap().into_inner())),
+        Answered::DistanceBatch(Box::new(unary.distance_batch(near).await.unwrap().into_inner())),
+        Answered::TimeOfImpactBatch(Box::new(unary.time_of_impact_batch(ways).await.unwrap().into_inner())),
     ];
     for (index, expected) in expected.into_iter().enumerate() {
         assert_eq!(stream.next().await, (100 + index as u64, expected));
@@ -108,21 +111,23 @@ async fn what_fails_is_told_in_its_place_and_the_stream_goes_on() {
     let nowhere = pb::RaycastRequest { session: "nowhere".to_owned(), ..ray_along_z() };
     let flat = pb::RaycastRequest { direction: None, ..ray_along_z() };
     let wrong = pb::RaycastBatchRequest { directions: vec![0.0, 0.0, f32::NAN], ..Default::default() };
-    let future =
-        pb::RaycastRequest { options: Some(crate::harness::read_at(pb::read_at::At::Tick(99))), ..ray_along_z() };
+    let future = pb::RaycastRequest {
+        options: Some(Box::new(crate::harness::read_at(pb::read_at::At::Tick(99)))),
+        ..ray_along_z()
+    };
     let requests = [
         (question(Asked::Raycast(nowhere)), "SESSION_NOT_FOUND", ""),
         (question(Asked::Raycast(flat)), "MISSING", "question.raycast.direction"),
-        (Sent::RaycastBatch(wrong), "NOT_FINITE", "raycast_batch.directions[2]"),
+        (Sent::RaycastBatch(Box::new(wrong)), "NOT_FINITE", "raycast_batch.directions[2]"),
         (question(Asked::Raycast(future)), "TICK_NOT_HELD", ""),
         (Sent::Question(pb::Question::default()), "MISSING", "question.question"),
         (rays(90_000), "", ""),
         (
-            Sent::RaycastBatch(pb::RaycastBatchRequest {
+            Sent::RaycastBatch(Box::new(pb::RaycastBatchRequest {
                 directions: [0.0, 0.0, 1.0].repeat(90_000),
                 want: Some(pb::ColumnChoice { points: true, normals: true, features: true, intervals: true }),
                 ..Default::default()
-            }),
+            })),
             "QUOTA_EXCEEDED",
             "",
         ),

@@ -102,7 +102,7 @@ async fn a_stick_that_makes_half_a_turn_meets_a_ball_on_its_way() {
     let request = pb::TimeOfImpactRequest {
         subject: Some(subject(ball, there)),
         end: Some(there),
-        against: Some(subject(stick, here)),
+        against: Some(Box::new(subject(stick, here))),
         against_end: Some(turned(1.0, 0.0)),
         ..pb::TimeOfImpactRequest::default()
     };
@@ -117,7 +117,7 @@ async fn distance_to_the_nearest_and_to_one_geometry() {
     let mut request = pb::DistanceRequest { subject: Some(pb::Subject::default()), ..pb::DistanceRequest::default() };
     let answer = bench.questions.distance(request.clone()).await.unwrap().into_inner();
     assert_near(answer.hits[0].distance, 4.0, answer.hits[0].certificate.as_ref());
-    request.against = Some(subject(cuboid(1.0, 1.0, 1.0), at(3.0, 0.0, 0.0)));
+    request.against = Some(Box::new(subject(cuboid(1.0, 1.0, 1.0), at(3.0, 0.0, 0.0))));
     let answer = bench.questions.distance(request).await.unwrap().into_inner();
     assert_eq!(answer.hits[0].id, 0, "a geometry has no id");
     assert_near(answer.hits[0].distance, 2.0, answer.hits[0].certificate.as_ref());
@@ -136,8 +136,11 @@ async fn the_nearest_triangles_are_named_on_either_side() {
     for (of_subject, of_shape, subject, against) in
         [(Some(1), None, mesh.clone(), ball.clone()), (None, Some(1), ball, mesh)]
     {
-        let request =
-            pb::DistanceRequest { subject: Some(subject), against: Some(against), ..pb::DistanceRequest::default() };
+        let request = pb::DistanceRequest {
+            subject: Some(subject),
+            against: Some(Box::new(against)),
+            ..pb::DistanceRequest::default()
+        };
         let hit = bench.questions.distance(request).await.unwrap().into_inner().hits.remove(0);
         assert_near(hit.distance, 1.5, hit.certificate.as_ref());
         let face = |feature: Option<pb::Feature>| feature.and_then(|feature| feature.face);
@@ -217,7 +220,7 @@ async fn a_filter_hides_layers_ids_sensors_static_shapes_and_groups() {
     for (filter, expected) in cases {
         let request = pb::RaycastRequest {
             mode: pb::HitMode::All.into(),
-            options: Some(pb::QueryOptions { filter: Some(filter.clone()), ..pb::QueryOptions::default() }),
+            options: Some(Box::new(pb::QueryOptions { filter: Some(filter.clone()), ..pb::QueryOptions::default() })),
             ..ray_along_z()
         };
         let answer = bench.questions.raycast(request).await.unwrap().into_inner();
@@ -235,7 +238,7 @@ async fn a_miss_is_proved_and_has_no_hits_and_work_comes_only_when_asked() {
     assert_eq!(answer.verdict(), pb::Verdict::Miss);
     assert!(answer.hits.is_empty());
     assert!(answer.info.unwrap().work.is_none());
-    request.options = Some(pb::QueryOptions { explain: true, ..pb::QueryOptions::default() });
+    request.options = Some(Box::new(pb::QueryOptions { explain: true, ..pb::QueryOptions::default() }));
     let answer = bench.questions.raycast(request).await.unwrap().into_inner();
     assert!(answer.info.unwrap().work.is_some());
 }

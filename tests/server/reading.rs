@@ -75,7 +75,7 @@ async fn a_description_tells_what_is_there_and_what_is_in_force() {
     let names = ["dynamic_tree", "static_tree", "history"].map(|name| (name.to_owned(), 2));
     assert_eq!(built(&description), names);
     assert!(description.built[1].build_time.is_some() && description.built[0].build_time.is_none());
-    let past = pb::RaycastRequest { options: Some(crate::harness::read_at(At::Tick(1))), ..ray_along_z() };
+    let past = pb::RaycastRequest { options: Some(Box::new(crate::harness::read_at(At::Tick(1)))), ..ray_along_z() };
     bench.questions.raycast(past).await.unwrap();
     let description = bench.describe().await;
     assert_eq!((description.oldest_tick, built(&description)[3].clone()), (1, ("past_trees".to_owned(), 2)));

@@ -97,18 +97,18 @@ async fn all_questions_come_out_the_same_without_the_server() {
     for id in [1, 3, 4, 6, 8] {
         let subject = Some(subject_shape(id));
         let overlap = pb::OverlapRequest { subject: subject.clone(), ..pb::OverlapRequest::default() };
-        let replay = explain(&mut bench, Asked::Overlap(overlap)).await;
+        let replay = explain(&mut bench, Asked::Overlap(Box::new(overlap))).await;
         assert!(replay.shapes.iter().any(|shape| shape.id == id));
         asked_again(&replay);
         let distance = pb::DistanceRequest { subject, max_hits: 9, ..pb::DistanceRequest::default() };
-        asked_again(&explain(&mut bench, Asked::Distance(distance)).await);
+        asked_again(&explain(&mut bench, Asked::Distance(Box::new(distance))).await);
     }
     let against = pb::DistanceRequest {
         subject: Some(subject_shape(4)),
-        against: Some(subject_shape(100)),
+        against: Some(Box::new(subject_shape(100))),
         ..pb::DistanceRequest::default()
     };
-    let replay = explain(&mut bench, Asked::Distance(against)).await;
+    let replay = explain(&mut bench, Asked::Distance(Box::new(against))).await;
     assert_eq!(replay.shapes.iter().map(|shape| shape.id).collect::<Vec<_>>(), [4, 100]);
     asked_again(&replay);
 }
@@ -122,13 +122,13 @@ async fn what_the_question_names_and_when_it_was_asked_is_kept() {
     for info in infos.geometries {
         let by_id = pb::Geometry { scale: Some(0.3), ..geometry(Form::GeometryId(info.geometry_id)) };
         for fraction in [0.0, 0.375] {
-            let mut asked = Asked::Distance(pb::DistanceRequest {
+            let mut asked = Asked::Distance(Box::new(pb::DistanceRequest {
                 subject: Some(subject(by_id.clone(), at(5.0, 0.7, 0.0))),
                 max_hits: 4,
                 ..pb::DistanceRequest::default()
-            });
+            }));
             let read_at = pb::ReadAt { at: Some(At::Tick(2)), tick_fraction: fraction };
-            *options_of(&mut asked) = Some(pb::QueryOptions { read_at: Some(read_at), ..Default::default() });
+            *options_of(&mut asked) = Some(Box::new(pb::QueryOptions { read_at: Some(read_at), ..Default::default() }));
             let replay = explain(&mut bench, asked).await;
             assert_eq!((replay.tick, replay.tick_fraction), (2, fraction));
             asked_again(&replay);
@@ -143,8 +143,8 @@ async fn a_question_without_an_answer_is_kept_with_the_reason() {
     let gone = pb::OverlapRequest { subject: Some(subject_shape(77)), ..pb::OverlapRequest::default() };
     let wrong = pb::RaycastRequest::default();
     for (asked, reason) in [
-        (Asked::Penetration(deep), "NEEDS_DECOMPOSITION"),
-        (Asked::Overlap(gone), "SHAPE_NOT_FOUND"),
+        (Asked::Penetration(Box::new(deep)), "NEEDS_DECOMPOSITION"),
+        (Asked::Overlap(Box::new(gone)), "SHAPE_NOT_FOUND"),
         (Asked::Raycast(wrong), "MISSING"),
     ] {
         let replay = explain(&mut bench, asked).await;
@@ -195,7 +195,7 @@ async fn what_cannot_be_explained_is_refused() {
         "question.raycast.session",
         &["beside the question"],
     );
-    let question = Some(pb::Question { question: Some(Asked::FirstTouch(pb::FirstTouchRequest::default())) });
+    let question = Some(pb::Question { question: Some(Asked::FirstTouch(Box::new(pb::FirstTouchRequest::default()))) });
     let status = bench.worlds.explain(pb::ExplainRequest { question, ..Default::default() }).await.unwrap_err();
     assert_refused(&status, Code::InvalidArgument, "OUT_OF_LIMITS", "question.first_touch", &["time_of_impact"]);
     // 400,000 triangles are more than a message holds.
@@ -226,10 +226,10 @@ async fn what_cannot_be_explained_is_refused() {
     bench.edit(vec![insert(shape(50, geometry(Form::GeometryId(info.geometry_id)), at(0.0, 0.0, 0.0)))]).await.unwrap();
     let overlap = pb::OverlapRequest {
         subject: Some(subject(sphere(1.0), at(500.0, 500.0, 500.0))),
-        against: Some(subject_shape(50)),
+        against: Some(Box::new(subject_shape(50))),
         ..pb::OverlapRequest::default()
     };
-    let question = Some(pb::Question { question: Some(Asked::Overlap(overlap)) });
+    let question = Some(pb::Question { question: Some(Asked::Overlap(Box::new(overlap))) });
     let status = bench.worlds.explain(pb::ExplainRequest { question, ..Default::default() }).await.unwrap_err();
     assert_refused(&status, Code::ResourceExhausted, "QUOTA_EXCEEDED", "", &["ExportWorld"]);
 }

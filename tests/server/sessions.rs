@@ -157,8 +157,10 @@ async fn the_open_session_is_emptied_but_stays() {
 async fn waiting_calls_end_with_their_session() {
     let mut bench = Bench::start().await;
     let owner = bench.create_session("brief").await.token;
-    let waiting =
-        pb::RaycastRequest { options: Some(crate::harness::read_at(pb::read_at::At::MinTick(9))), ..ray("brief") };
+    let waiting = pb::RaycastRequest {
+        options: Some(Box::new(crate::harness::read_at(pb::read_at::At::MinTick(9)))),
+        ..ray("brief")
+    };
     let (mut questions, token) = (bench.questions.clone(), owner.clone());
     let call = tokio::spawn(async move { questions.raycast(with_token(&token, waiting)).await });
     tokio::time::sleep(Duration::from_millis(50)).await;

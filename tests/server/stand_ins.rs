@@ -19,7 +19,7 @@ async fn certificate(bench: &mut Bench, max_error: Option<f64>) -> pb::Certifica
     let accuracy = pb::Accuracy { max_error, ..pb::Accuracy::default() };
     let request = pb::DistanceRequest {
         subject: Some(subject(sphere(1.0), at(0.0, 0.0, 0.0))),
-        options: Some(pb::QueryOptions { accuracy: Some(accuracy), ..pb::QueryOptions::default() }),
+        options: Some(Box::new(pb::QueryOptions { accuracy: Some(accuracy), ..pb::QueryOptions::default() })),
         ..pb::DistanceRequest::default()
     };
     let answer = bench.questions.distance(request).await.unwrap().into_inner();

@@ -11,10 +11,10 @@ use crate::harness::{Bench, assert_refused, at, insert, ray_along_z, read_at, re
 /// A ray's answer at a version: the tick that was read.
 async fn tick_read(bench: &mut Bench, at: Option<At>, tick_fraction: f64) -> Result<u64, Status> {
     let request = pb::RaycastRequest {
-        options: Some(pb::QueryOptions {
+        options: Some(Box::new(pb::QueryOptions {
             read_at: Some(pb::ReadAt { at, tick_fraction }),
             ..pb::QueryOptions::default()
-        }),
+        })),
         ..ray_along_z()
     };
     let answer = bench.questions.raycast(request).await?.into_inner();
@@ -86,13 +86,13 @@ async fn the_past_is_read_exactly_between_ticks_and_by_time() {
             read_at: Some(pb::ReadAt { at: read_at, tick_fraction: fraction }),
             ..pb::QueryOptions::default()
         };
-        let request = pb::RaycastRequest { options: Some(options.clone()), ..ray_along_z() };
+        let request = pb::RaycastRequest { options: Some(Box::new(options.clone())), ..ray_along_z() };
         let answer = bench.questions.raycast(request).await.unwrap().into_inner();
         let info = answer.info.unwrap();
         assert_eq!((info.tick, info.tick_fraction), told);
         assert_eq!(answer.hits.first().and_then(|hit| hit.distance), distance);
         let questions = vec![pb::Question { question: Some(pb::question::Question::Raycast(ray_along_z())) }];
-        let batch = pb::BatchRequest { questions, options: Some(options), ..pb::BatchRequest::default() };
+        let batch = pb::BatchRequest { questions, options: Some(Box::new(options)), ..pb::BatchRequest::default() };
         let batch = bench.questions.batch(batch).await.unwrap().into_inner();
         let info = batch.info.unwrap();
         assert_eq!((info.tick, info.tick_fraction), told);
@@ -146,7 +146,7 @@ async fn versions_that_cannot_be_are_refused() {
 #[tokio::test]
 async fn min_tick_waits_for_the_tick_and_not_beyond_the_deadline() {
     let mut bench = readme_world().await;
-    let waiting = pb::RaycastRequest { options: Some(read_at(At::MinTick(3))), ..ray_along_z() };
+    let waiting = pb::RaycastRequest { options: Some(Box::new(read_at(At::MinTick(3)))), ..ray_along_z() };
     let mut late = tonic::Request::new(waiting.clone());
     late.set_timeout(Duration::from_millis(100));
     let status = bench.questions.raycast(late).await.unwrap_err();

@@ -33,13 +33,13 @@ macro_rules! questions_of_the_session {
                 let Some(pipeline) = &self.pipeline else {
                     return Ok(self.questions().$name(self.request(request)).await?.into_inner());
                 };
-                let asked = pipeline.ask(|| self.questions(), proto::question::Question::$kind(request));
+                let asked = pipeline.ask(|| self.questions(), request.into());
                 let answered = match self.deadline {
                     Some(deadline) => tokio::time::timeout(deadline, asked).await.map_err(|_| overdue())?,
                     None => asked.await,
                 };
                 match answered? {
-                    proto::answer::Answer::$kind(answer) => Ok(answer),
+                    proto::answer::Answer::$kind(answer) => Ok(*Box::from(answer)),
                     _ => Err(Status::internal("the server answered another kind of question").into()),
                 }
             })*

@@ -129,7 +129,7 @@ messages! {
         6 mode: Choice,
         7 hollow: Flag,
         8 want: Nested<v1::ColumnChoice>,
-        9 options: Nested<v1::QueryOptions>,
+        9 options: Nested<Box<v1::QueryOptions>>,
         10 ignore_ids: Fixed64s,
         11 faces: Choice,
     }
@@ -139,7 +139,7 @@ messages! {
         3 poses: Nested<PoseColumns>,
         4 scales: Floats,
         5 max_hits_each: Count,
-        6 options: Nested<v1::QueryOptions>,
+        6 options: Nested<Box<v1::QueryOptions>>,
     }
     OverlapBatchResponse {
         1 offsets: Fixed32s,
@@ -154,7 +154,7 @@ messages! {
         3 poses: Nested<PoseColumns>,
         4 max_distances: Floats,
         5 want: Nested<v1::ColumnChoice>,
-        6 options: Nested<v1::QueryOptions>,
+        6 options: Nested<Box<v1::QueryOptions>>,
     }
     LineOfSightRequest {
         1 session: Text,
@@ -167,7 +167,7 @@ messages! {
         8 target_ids: Fixed64s,
         9 enough: Count,
         10 want_points: Flag,
-        11 options: Nested<v1::QueryOptions>,
+        11 options: Nested<Box<v1::QueryOptions>>,
     }
     LineOfSightResponse {
         1 visible: Fixed32s,

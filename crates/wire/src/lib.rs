@@ -7,6 +7,7 @@
 pub mod codec;
 mod columns;
 mod kinds;
+mod variants;
 
 /// The API, version 1.
 #[allow(

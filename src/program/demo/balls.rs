@@ -64,12 +64,12 @@ impl Balls {
     pub(super) async fn step(&mut self, client: &Client, seconds: f64) -> Result<(), Error> {
         let question = |ball: &Ball| {
             let subject = ask::form_at(Self::form(), level(ball.at));
-            Question::TimeOfImpact(ask::time_of_impact(subject, level(ball.ahead(seconds))))
+            Question::from(ask::time_of_impact(subject, level(ball.ahead(seconds))))
         };
         let mut batch = ask::batch(self.balls.iter().map(question));
         // Only the level is in their way: balls pass each other, and the ground is below the floor.
         let filter = proto::Filter { collides_with: Some(LAYER_LEVEL), ..proto::Filter::default() };
-        batch.options = Some(proto::QueryOptions { filter: Some(filter), ..proto::QueryOptions::default() });
+        batch.options = Some(Box::new(proto::QueryOptions { filter: Some(filter), ..proto::QueryOptions::default() }));
         let answers = client.batch(batch).await?.answers;
         for (ball, answer) in self.balls.iter_mut().zip(answers) {
             match answer.answer {

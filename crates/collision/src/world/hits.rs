@@ -211,7 +211,10 @@ impl<H: Hit> Gathered<H> {
             Self::Closest { certain, mut undecided } => {
                 undecided.retain(|hit| hit.certificate().bound.lower < certain.limit());
                 undecided.sort_by(order);
-                undecided.extend(certain.into_named());
+                let certain = certain.into_named();
+                // Most often it is the only one, and a hit is large.
+                undecided.reserve_exact(usize::from(certain.is_some()));
+                undecided.extend(certain);
                 (undecided, false)
             }
             Self::Any { certain: Some(certain), .. } => (vec![certain], false),

@@ -73,27 +73,27 @@ impl ServerAsker {
     fn wire_question(&mut self, question: &Question) -> Result<Asked, String> {
         match question {
             Question::Distance { a, b } => {
-                let against = Some(self.subject(b)?);
-                Ok(Asked::Distance(proto::DistanceRequest { against, ..ask::distance(self.subject(a)?) }))
+                let against = Some(self.subject(b)?.into());
+                Ok(proto::DistanceRequest { against, ..ask::distance(self.subject(a)?) }.into())
             }
             Question::Overlap { a, b } => {
-                let against = Some(self.subject(b)?);
-                Ok(Asked::Overlap(proto::OverlapRequest { against, ..ask::overlap(self.subject(a)?) }))
+                let against = Some(self.subject(b)?.into());
+                Ok(proto::OverlapRequest { against, ..ask::overlap(self.subject(a)?) }.into())
             }
-            Question::Penetration { a, b, max_gap } => Ok(Asked::Penetration(proto::PenetrationRequest {
-                against: Some(self.subject(b)?),
+            Question::Penetration { a, b, max_gap } => Ok(Asked::from(proto::PenetrationRequest {
+                against: Some(self.subject(b)?.into()),
                 max_gap: *max_gap,
                 max_contacts: CONTACTS_MAX,
                 ..ask::penetration(self.subject(a)?)
             })),
-            Question::Impact { a, motion_a, b, motion_b } => Ok(Asked::TimeOfImpact(proto::TimeOfImpactRequest {
+            Question::Impact { a, motion_a, b, motion_b } => Ok(Asked::from(proto::TimeOfImpactRequest {
                 subject: Some(self.subject(a)?),
                 end: Some(end_of(a, motion_a)?),
-                against: Some(self.subject(b)?),
+                against: Some(self.subject(b)?.into()),
                 against_end: Some(end_of(b, motion_b)?),
                 ..proto::TimeOfImpactRequest::default()
             })),
-            Question::Raycast { origin, direction, max_distance, .. } => Ok(Asked::Raycast(proto::RaycastRequest {
+            Question::Raycast { origin, direction, max_distance, .. } => Ok(Asked::from(proto::RaycastRequest {
                 max_distance: max_distance.is_finite().then_some(*max_distance),
                 ..ask::ray(origin.to_array(), direction.to_array())
             })),
@@ -129,7 +129,7 @@ impl ServerAsker {
         let written: Vec<Result<Asked, String>> =
             questions.iter().map(|question| self.wire_question(question)).collect();
         let request = ask::batch(written.iter().filter_map(|asked| asked.clone().ok()));
-        let request = proto::BatchRequest { options: Some(ask::exactly()), ..request };
+        let request = proto::BatchRequest { options: Some(ask::exactly().into()), ..request };
         let mut answers = match self.runtime.block_on(self.client.batch(request)) {
             Ok(response) => response.answers.into_iter(),
             Err(error) => return refuse(questions.len(), &error.to_string()),

@@ -79,13 +79,14 @@ impl Stage for ServerStage<'_> {
 
     fn neighbors(&mut self, actors: &[u64], limit: f64) -> Vec<Neighbors> {
         let question = |&actor: &u64| {
-            proto::question::Question::Distance(proto::DistanceRequest {
+            proto::question::Question::from(proto::DistanceRequest {
                 max_distance: Some(limit),
                 max_hits: NEIGHBORS_MAX,
                 ..ask::distance(ask::shape(shape_id(actor)))
             })
         };
-        let request = proto::BatchRequest { options: Some(self.options()), ..ask::batch(actors.iter().map(question)) };
+        let request =
+            proto::BatchRequest { options: Some(self.options().into()), ..ask::batch(actors.iter().map(question)) };
         match self.runtime.block_on(self.client.batch(request)) {
             Ok(response) if response.answers.len() == actors.len() => {
                 response.answers.into_iter().map(|answer| neighbors_of(answer.answer)).collect()
@@ -98,7 +99,7 @@ impl Stage for ServerStage<'_> {
     fn contacts(&mut self, actor: u64) -> Result<Vec<(u64, ContactAnswer)>, String> {
         let request = proto::PenetrationRequest {
             max_contacts: CONTACTS_MAX,
-            options: Some(self.options()),
+            options: Some(self.options().into()),
             ..ask::penetration(ask::shape(shape_id(actor)))
         };
         let response = self.runtime.block_on(self.client.penetration(request)).map_err(|error| error.to_string())?;
