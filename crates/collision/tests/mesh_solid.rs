@@ -5,7 +5,7 @@ mod meshes;
 mod whole;
 
 use collision::{
-    DVec3,
+    DQuat, DVec3,
     accuracy::{Accuracy, Tier},
     answer::{Bound, Verdict, Work},
     math::Pose,
@@ -13,7 +13,7 @@ use collision::{
         Contacts, Faces, ImpactTouch, InitialTouch, Motion, NeedsDecomposition, Placed, Ray, distance, impact, overlap,
         penetration, raycast,
     },
-    shape::{Geometry, MeshMode, Part},
+    shape::{Geometry, MeshMode, Part, Terrain},
 };
 use cubes::{Cubes, Noise, SIZE};
 use meshes::{CUBE, Tally, box_corners, convex, pose, ray, solid_box};
@@ -299,4 +299,46 @@ fn assert_same_contacts(found: &Contacts, swapped: &Contacts) {
         assert_eq!((a.normal_b_to_a, a.certificate), (-b.normal_b_to_a, b.certificate));
         assert_eq!((a.feature_b, a.points[0].point_on_a), (b.feature_a, b.points[0].point_on_b));
     }
+}
+
+/// A rod that goes through an edge of a body's surface, to within rounding, has no volume in common with the triangles there:
+/// they prove no touch, and how deep the rod lies in the body they do not tell.
+#[test]
+fn a_rod_through_an_edge_of_a_body_is_bounded_as_by_the_body() {
+    let mut numbers = Numbers::new(617);
+    let mut deep = [0; 2];
+    for round in 0..400 {
+        // A terrain is a box that is as deep as it is wide.
+        let half = DVec3::splat(0.5 + 0.5 * numbers.share().abs());
+        let spacing = half * 2.0;
+        let terrain = Geometry::height_field(&Terrain { columns: 2, rows: 2, heights: &[0.0; 4], spacing, holes: &[] });
+        let (terrain, mesh) = (terrain.expect("a terrain"), solid_box(half));
+        let body = Geometry::cuboid(half).expect("a box");
+        let place = numbers.shares() * [0.0, 9.0, 1e3][round % 3];
+        let here = pose(&mut numbers, place, round % 4 != 0);
+        let of_terrain = Pose::new(here.transform_point(DVec3::new(-half.x, half.y, -half.z)), here.rotation);
+        let through = here.transform_point(half * DVec3::new(0.9 * numbers.share(), 1.0, 1.0));
+        // The first end, and the middle, are outside.
+        let outwards = numbers.shares() + DVec3::new(0.0, 1.5, 1.5);
+        let (length, turn) = (0.2 + numbers.share().abs(), DQuat::from_rotation_arc(DVec3::Y, outwards.normalize()));
+        let rod = if round % 2 == 0 {
+            Geometry::capsule(length, 0.0)
+        } else {
+            Geometry::hull(&[DVec3::Y * length, DVec3::Y * -length])
+        };
+        let rod = rod.expect("a rod");
+        let turn = here.rotation.normalize() * turn;
+        let rod = at(&rod, Pose::new(through + turn * DVec3::Y * (0.5 * length), turn));
+        let ask = |body: Placed<'_>| overlap(rod, body, &EXACT, &mut work());
+        let known = ask(at(&body, here));
+        for (body, deep) in [at(&mesh, here), at(&terrain, of_terrain)].into_iter().zip(&mut deep) {
+            let found = ask(body);
+            assert!(agree(found.verdict, known.verdict), "round {round}: {found:?} {known:?}");
+            // The place of the terrain is rounded.
+            let found_wide = Bound::new(found.bound.lower - 1e-11, found.bound.upper + 1e-11);
+            assert!(do_meet(found_wide, known.bound), "round {round}: {found:?} {known:?}");
+            *deep += u32::from(found.verdict == Verdict::Undecided && known.bound.upper < -0.01);
+        }
+    }
+    assert!(deep.iter().all(|&deep| deep > 60), "{deep:?} of 400 are open and deep");
 }

@@ -49,7 +49,7 @@ use super::{
 use crate::{
     answer::Feature,
     math::{Aabb, Pose},
-    shape::{Convex, Form, Geometry, HalfSpace},
+    shape::{Convex, Form, Geometry, HalfSpace, MeshMode},
 };
 
 /// What a form is in a pair; a piece of a concave form is one too.
@@ -86,6 +86,11 @@ struct Space<'a> {
 impl<'a> Piece<'a> {
     fn placed(&self) -> PlacedConvex<'a> {
         PlacedConvex { convex: self.convex, pose: self.place.pose, blur: self.place.blur }
+    }
+
+    /// Whether it is a triangle of the surface of a body, so that what touches it may lie deeper in the body.
+    fn bounds_matter(&self) -> bool {
+        self.skin || self.facet.is_some_and(|facet| facet.mesh.mode() == MeshMode::Solid)
     }
 }
 

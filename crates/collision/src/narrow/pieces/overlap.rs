@@ -16,7 +16,8 @@ use crate::{
 };
 
 /// Whether `a` and `b` touch, one of them concave. The bound is that of the least signed distance of their pieces: above 0
-/// only a lower bound of 0 is given, since what lies farther off is not measured.
+/// only a lower bound of 0 is given, since what lies farther off is not measured. Where a body that is known by its surface is
+/// touched, or may be, there is no lower bound.
 pub(in crate::narrow) fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
     let Ordered { first, second, .. } = Ordered::new(a, b);
     let mut touching = Touching::nothing();
@@ -74,7 +75,14 @@ impl Touching {
 
     fn search_pieces(&mut self, a: &Side<'_>, b: &Side<'_>, accuracy: &Accuracy, work: &mut Work) {
         match next(a, b) {
-            Next::Ask(a, b) => self.take(convex::overlap(a.placed(), b.placed(), accuracy, work)),
+            Next::Ask(a, b) => {
+                let mut found = convex::overlap(a.placed(), b.placed(), accuracy, work);
+                // How deep a form lies in a body, its surface does not tell.
+                if found.verdict == Verdict::Undecided && (a.bounds_matter() || b.bounds_matter()) {
+                    found.bound.lower = f64::NEG_INFINITY;
+                }
+                self.take(found);
+            }
             Next::AskSpace(form, space) => {
                 if let Some((pair, _)) = space.below(form) {
                     self.take(pair.overlap(work));
