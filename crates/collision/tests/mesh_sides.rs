@@ -11,7 +11,7 @@ use collision::{
     narrow::{Faces, Motion, Placed, Ray, RayTouches, distance, impact, overlap, penetration, raycast},
     shape::{Geometry, GeometryError, MeshMode, SolidFault},
 };
-use meshes::{CUBE, Tally, convex, pose, ray, solid_box};
+use meshes::{CUBE, Tally, box_corners, convex, pose, ray, solid_box};
 use whole::Numbers;
 
 const EXACT: Accuracy = Accuracy::of(Tier::Exact);
@@ -131,6 +131,36 @@ fn a_one_sided_mesh_is_a_surface_that_pushes_to_its_front() {
         }
     }
     assert!(moved > 300 && passed > 100 && pushed > 150, "{moved} touched, {passed} passed, {pushed} pushed");
+}
+
+/// The side from which a triangle is touched is told by the two triangles that meet: not by the normal that the other one's body
+/// has where it is touched.
+#[test]
+fn a_one_sided_triangle_is_felt_by_a_body_as_by_the_walls_of_that() {
+    let mut numbers = Numbers::new(137);
+    let (mut tally, mut passed) = (Tally::default(), 0);
+    for round in 0..1_500 {
+        let corners = [numbers.shares(), numbers.shares(), numbers.shares()];
+        let alone = |mode, corners: &[DVec3]| Geometry::mesh_as(mode, corners, &[[0, 1, 2]]).expect("a triangle");
+        let (front, surface) = (alone(MeshMode::OneSided, &corners), alone(MeshMode::TwoSided, &corners));
+        let half = numbers.shares().abs() + 0.05;
+        let (body, points) = (solid_box(half), box_corners(half));
+        let away = numbers.shares().normalize() * 3.0;
+        let there = pose(&mut numbers, away, round % 4 != 0);
+        let motion = Motion { displacement_a: numbers.shares() - away * 2.0, ..Motion::default() };
+        let ask = |form: &Geometry, target: &Geometry| {
+            let touch = impact(at(form, there), at(target, Pose::IDENTITY), &motion, &EXACT, &mut work());
+            touch.map(|touch| touch.fraction)
+        };
+        let walls =
+            CUBE.map(|wall| ask(&alone(MeshMode::TwoSided, &wall.map(|corner| points[corner as usize])), &front));
+        let first = walls.into_iter().flatten().min_by(f64::total_cmp);
+        let found = ask(&body, &front);
+        assert_eq!(found, first, "round {round}: {motion:?}");
+        passed += u32::from(found.is_none() && ask(&body, &surface).is_some());
+        tally.count(if found.is_some() { Verdict::Hit } else { Verdict::Miss });
+    }
+    assert!(tally.is_balanced() && passed > 100, "{tally:?}, {passed} passed from behind");
 }
 
 #[test]

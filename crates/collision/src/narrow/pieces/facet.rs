@@ -181,20 +181,23 @@ pub(super) fn impact(
     let course_a = Course { place: &a.place, way: motion.displacement_a, turn: motion.rotation_a };
     let course_b = Course { place: &b.place, way: motion.displacement_b, turn: motion.rotation_b };
     let way = (!motion.turns()).then_some(motion.displacement_a - motion.displacement_b);
+    // From which side a triangle is touched is told by the touch itself, not by the normal that the other surface has there.
+    let normal_of_touch = touch.normal_b_to_a;
     for (own, other, sign, courses) in [(b, a, 1.0, [course_b, course_a]), (a, b, -1.0, [course_a, course_b])] {
         let Some(facet) = own.facet else { continue };
         let meeting = Meeting::new(facet, own, other).after(courses[0], courses[1], touch.fraction);
-        let towards_other = touch.normal_b_to_a.map(|normal| normal * sign);
         let is_one_way = match facet.mesh.mode() {
             MeshMode::TwoSided => false,
             MeshMode::OneSided => true,
             // What begins in a solid and is not yet clear of it comes to its walls from behind.
             MeshMode::Solid => motion.initial == InitialTouch::IsIgnored,
         };
-        if is_one_way && !meeting.feels(&touch, towards_other, way.map(|way| way * sign)) {
+        if is_one_way && !meeting.feels(&touch, normal_of_touch.map(|normal| normal * sign), way.map(|way| way * sign))
+        {
             return None;
         }
-        touch.normal_b_to_a = towards_other.map(|normal| meeting.impact_normal(normal) * sign + DVec3::ZERO);
+        touch.normal_b_to_a =
+            touch.normal_b_to_a.map(|normal| meeting.impact_normal(normal * sign) * sign + DVec3::ZERO);
     }
     Some(touch)
 }
