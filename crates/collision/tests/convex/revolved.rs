@@ -208,6 +208,33 @@ fn a_lean_widens_the_depth_by_no_more_than_itself() {
     }
 }
 
+/// The nearest points that a formula knows are off by the lean: a proof of touch that took them for points of the forms claimed
+/// some that there is not.
+#[test]
+fn a_touch_is_proved_of_no_rod_that_passes_the_rim_it_leans_beside() {
+    let mut noise = Noise(46);
+    let mut proved = 0;
+    for round in 0..6_000_u32 {
+        // The base rim reaches to 0.5 in the plane of the rod, which is there at x + half the lean.
+        let half_lean = f64::from(round % 40 + 1) * if round % 2 == 0 { 5e-15 } else { -5e-15 };
+        let gap = f64::from(round / 40 % 50) * 4e-15 - 1e-13;
+        let turn = noise.rotation();
+        let rim = if round % 3 == 0 { cylinder(0.5, 0.5, Pose::IDENTITY) } else { cone(0.5, 0.5, Pose::IDENTITY) };
+        let place = turn.normalize() * DVec3::X * (0.5 + gap - half_lean);
+        let rod = Geometry::capsule(1.0, 0.0).expect("sizes");
+        let rod = Body { geometry: rod, pose: Pose::new(place, turn * DQuat::from_xyzw(0.0, 0.0, half_lean, 1.0)) };
+        let rim = Body { pose: Pose::new(DVec3::ZERO, turn), ..rim };
+        // A cylinder's other rim may reach farther.
+        let gap = if round % 3 == 0 { gap.min(gap - 2.0 * half_lean) } else { gap };
+        let touch = narrow::impact(rod.placed(), rim.placed(), &Motion::default(), &EXACT, &mut Work::default());
+        let verdict = touch.map_or(Verdict::Miss, |touch| touch.certificate.verdict);
+        let wrong = if gap > 0.0 { Verdict::Hit } else { Verdict::Miss };
+        assert!(verdict != wrong || gap.abs() < 5e-15, "round {round}: {gap:e} apart, lean {half_lean:e}: {touch:?}");
+        proved += u32::from(verdict != Verdict::Undecided);
+    }
+    assert!(proved > 1_000, "{proved}");
+}
+
 #[test]
 fn a_cylinder_lands_on_a_cone_and_a_cone_on_its_tip_in_time() {
     let floor = cylinder(0.5, 4.0, Pose::IDENTITY);

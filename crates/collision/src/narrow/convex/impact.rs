@@ -263,7 +263,9 @@ impl<'a> Search<'a> {
         let closing = normal.map_or(0.0, |normal| -normal.dot(self.way));
         let mut ahead = if closing > 0.0 { 6.0 * PAIR_ROUNDING / closing } else { PAIR_ROUNDING };
         let mut proved = None;
-        if closing > 0.0 && time + ahead <= 1.0 && self.is_held_by(&gap.simplex, ahead) {
+        // The nearest points of a formula may be off by a lean.
+        let is_sharp = gap.upper - gap.length <= 2.0 * PAIR_ROUNDING;
+        if is_sharp && closing > 0.0 && time + ahead <= 1.0 && self.is_held_by(&gap.simplex, ahead) {
             proved = Some(time + ahead);
         }
         let (mut stop, mut rest) = (stop, self.budget);
@@ -311,7 +313,7 @@ impl<'a> Search<'a> {
         let shift = self.way * ahead;
         let radius = self.pair.radius();
         if radius > 0.0 {
-            return (simplex.point() + shift).norm() + PAIR_ROUNDING <= radius;
+            return (simplex.point() + shift).norm() + 2.0 * PAIR_ROUNDING <= radius;
         }
         let [a, b, c] = *simplex.vertices() else { return false };
         portal::is_behind(&self.pair, &[a, b, c].map(|corner| corner.point), shift, PAIR_ROUNDING)

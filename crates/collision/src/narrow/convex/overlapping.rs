@@ -7,8 +7,13 @@
 
 use std::cmp::Ordering;
 
-use super::{PlacedConvex, boxes, epa, frame::Pair, gjk, inscribed, touch};
-use crate::{answer::Verdict, tolerance::PAIR_ROUNDING};
+use glam::DVec3;
+
+use super::{PlacedConvex, boxes, epa, frame::Pair, gjk, inscribed, simplex::Simplex, touch};
+use crate::{
+    answer::{Method, Verdict},
+    tolerance::PAIR_ROUNDING,
+};
 
 /// What was proved, and what it cost.
 pub(super) struct Proof {
@@ -37,7 +42,12 @@ pub(super) fn prove(pair: &Pair<'_>, depth_min: f64, budget: u32) -> Proof {
     if inscribed > deep || rest == 0 || gap.lower > 0.0 {
         return proof(hit_if(inscribed > deep), 0);
     }
-    let grown = epa::depth(pair, &gap.simplex, inscribed, rest, |lower, _| lower > deep);
+    // Where axes are all but parallel a formula's nearest points are off by the lean: they may lie in neither form.
+    let start = match gap.method {
+        Method::ClosedForm => Simplex::of(gjk::support(pair, DVec3::X)),
+        _ => gap.simplex,
+    };
+    let grown = epa::depth(pair, &start, inscribed, rest, |lower, _| lower > deep);
     grown.map_or(proof(Verdict::Undecided, 1), |grown| proof(hit_if(grown.lower > deep), grown.iterations))
 }
 
