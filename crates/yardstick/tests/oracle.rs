@@ -134,6 +134,12 @@ fn forms_in_motion_meet_when_they_do() {
     assert_eq!(meets(DVec3::X * 4.0, DVec3::X * -1.5).touching_at, None);
     assert_eq!(meets(DVec3::new(4.0, 1.6, 0.0), DVec3::X * -9.0).touching_at, None);
     assert!(meets(DVec3::new(0.5, 0.0, 0.0), DVec3::ZERO).touches_at_start);
+    // How they go on from a touch at the start: into each other, along, apart.
+    for (way, cosine) in [(DVec3::X * -2.0, 1.0), (DVec3::Y, 0.0), (DVec3::new(-3.0, 4.0, 0.0), 0.6), (DVec3::X, -1.0)]
+    {
+        let touching = meets(DVec3::X * 1.5, way);
+        assert!(touching.touches_at_start && (touching.cosine - cosine).abs() < 1e-15, "{way}: {touching:?}");
+    }
 }
 
 #[test]

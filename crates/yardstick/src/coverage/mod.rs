@@ -4,7 +4,7 @@
 //! `case` says which question a number stands for. Convex forms: `forms` makes them, `pairs` places two and says what is asked,
 //! `ask` asks in both orders and warm, `judge` compares with [`crate::oracle::Truth`]; `rays` does all that for rays. Concave
 //! forms: `whole` and `wholes` make them, `whole_pairs` and `whole_rays` ask and judge. `moves` sets any of them in motion,
-//! `moves_judge` judges the first touch. `report` counts by question, form, extreme and accuracy and says what there is too little of,
+//! `moves_first` knows the first touch, `moves_judge` judges it. `report` counts by question, form, extreme and accuracy and says what there is too little of,
 //! `matrix` asks every kind at every extreme, also moved and scaled (`scaled`). `source` writes what failed as a test to paste, `state` keeps a long run, [`run`] does it all on some threads.
 //!
 //! # What is checked
@@ -35,6 +35,7 @@ mod forms;
 mod judge;
 mod matrix;
 mod moves;
+mod moves_first;
 mod moves_judge;
 mod outcome;
 mod pairs;

@@ -4,24 +4,19 @@
 //! Without turns the oracle knows the first touch of each pair of convex pieces. With turns it looks for an overlap before the
 //! answer's interval, and for one at its end, which is how the answer proves its touch.
 
-use std::collections::BTreeMap;
-
+use super::{
+    judge::iterations_max,
+    moves::{MoveQuestion, Moved},
+    moves_first::{First, first, pairs},
+    outcome::{Answer, Asked, FaultKind, Outcome},
+    whole_pairs::scale_of,
+};
+use crate::oracle::{Place, Solid, Truth, Union, look_for_overlap};
 use collision::{
     accuracy::Tier,
     answer::{Stop, Verdict},
     narrow::{ImpactTouch, InitialTouch},
-    shape::MeshMode,
 };
-use glam::DVec3;
-
-use super::{
-    judge::iterations_max,
-    moves::{MoveQuestion, Moved},
-    outcome::{Answer, Asked, FaultKind, Outcome},
-    whole::Whole,
-    whole_pairs::scale_of,
-};
-use crate::oracle::{Core, Place, Solid, Truth, Union, look_for_overlap, meeting};
 
 /// Times are rounded to an f64 by whoever tells them.
 const TIME: f64 = 1e-15;
@@ -35,21 +30,6 @@ const OPEN: f64 = 1e-11;
 /// Widest interval to accept of a motion without turns, as a part of s over the cosine of incidence, where that is not small.
 const WIDE: f64 = 1e-11;
 const COSINE_MIN: f64 = 1e-2;
-
-/// What the oracle knows of all pieces.
-struct First {
-    /// No pieces surely touch before this.
-    free_until: f64,
-    /// Some pieces surely do at this time, if any.
-    touching_at: Option<f64>,
-    /// Some touch at the start, surely or within rounding.
-    at_start: bool,
-    /// How far apart all are at the start, those that never meet left out, metres.
-    gap_at_start: f64,
-    cosine: f64,
-    /// A front that is met along its plane: whether that counts is a matter of rounding.
-    is_open: bool,
-}
 
 /// Judges a first touch.
 pub(super) fn judge(question: &MoveQuestion, moved: &Moved) -> Outcome {
@@ -100,90 +80,6 @@ fn sane(answer: &mut Answer, question: &MoveQuestion, moved: &Moved) {
     }
 }
 
-/// All pairs of pieces that may come near each other.
-fn pairs<'a>(unions: &'a [Union; 2], places: &[Place; 2]) -> Vec<[(&'a Solid, Place, usize); 2]> {
-    let pieces = |side: usize| {
-        let places = *places;
-        unions[side]
-            .pieces
-            .iter()
-            .enumerate()
-            .map(move |(index, piece)| (&piece.solid, piece.place(&places[side]), index))
-    };
-    pieces(0).flat_map(|a| pieces(1).map(move |b| [a, b])).collect()
-}
-
-/// Whether a triangle that counts from its front is met from there: with its front towards the other form, which does not go away
-/// from it. `None` if that is a matter of rounding.
-fn is_met(whole: &Whole, index: usize, place: &Place, way: DVec3, towards_other: DVec3) -> Option<bool> {
-    let Whole::Mesh { mode: MeshMode::OneSided, vertices, triangles } = whole else {
-        // Those of compounds are not told apart here.
-        return (!whole.is_one_sided()).then_some(true);
-    };
-    let [a, b, c] = triangles[index].map(|corner| vertices[corner as usize]);
-    let front = place.rotation.normalize() * (b - a).cross(c - a).normalize_or_zero();
-    let (closing, facing) = (-front.dot(way) / way.length(), front.dot(towards_other));
-    if closing.abs() > LEAN && facing.abs() > LEAN_OF_NORMAL { Some(closing > 0.0 && facing > 0.0) } else { None }
-}
-
-/// What leans less than this towards a front or away from it may be either; the same of a normal, which the oracle knows less well.
-const LEAN: f64 = 1e-6;
-const LEAN_OF_NORMAL: f64 = 0.1;
-
-fn first(question: &MoveQuestion, unions: &[Union; 2]) -> First {
-    let places = question.places();
-    let way = places[1].displacement - places[0].displacement;
-    let mut first = First {
-        free_until: f64::INFINITY,
-        touching_at: None,
-        at_start: false,
-        gap_at_start: f64::INFINITY,
-        cosine: 1.0,
-        is_open: false,
-    };
-    // Of each triangle the last time at which it is met from its front, and the first from its back.
-    let mut met_at: BTreeMap<(usize, usize), (f64, f64)> = BTreeMap::new();
-    for [(solid_a, place_a, a), (solid_b, place_b, b)] in pairs(unions, &places) {
-        let met = meeting([(solid_a, &place_a), (solid_b, &place_b)]);
-        if met.free_until > 1.0 {
-            continue;
-        }
-        let sides = [&question.sides[0].whole, &question.sides[1].whole];
-        // A terrain is asked by its skin, which here is the end of columns.
-        first.is_open |= sides.iter().any(|whole| whole.is_one_sided())
-            && sides.iter().any(|whole| matches!(whole, Whole::Field { .. }));
-        let normal = met.normal_a_to_b;
-        let of_a = is_met(sides[0], a, &place_a, way, normal);
-        let of_b = is_met(sides[1], b, &place_b, -way, -normal);
-        for (triangle, is_met) in [((0, a), of_a), ((1, b), of_b)] {
-            let (front, back) = met_at.entry(triangle).or_insert((f64::NEG_INFINITY, f64::INFINITY));
-            if is_met == Some(false) { *back = back.min(met.free_until) } else { *front = front.max(met.free_until) }
-        }
-        let is_space = |solid: &Solid| matches!(solid.core, Core::HalfSpace { .. });
-        match (of_a, of_b) {
-            // A half space is felt by either side of a triangle.
-            _ if is_space(solid_a) || is_space(solid_b) => {}
-            (Some(true), Some(true)) => {}
-            (Some(false), _) | (_, Some(false)) if !met.touches_at_start => continue,
-            _ => first.is_open = true,
-        }
-        // At the start the middle of a form decides which side it is on.
-        first.is_open |= met.touches_at_start && sides.iter().any(|whole| whole.is_one_sided());
-        first.at_start |= met.touches_at_start;
-        first.gap_at_start = first.gap_at_start.min(met.gap_at_start);
-        if met.free_until < first.free_until {
-            (first.free_until, first.cosine) = (met.free_until, met.cosine);
-        }
-        first.touching_at = match (first.touching_at, met.touching_at) {
-            (Some(one), Some(other)) => Some(one.min(other)),
-            (one, other) => one.or(other),
-        };
-    }
-    // What is touched from its back first is passed over for the rest of the motion, by all of the other form.
-    first.is_open |= met_at.values().any(|(front, back)| back <= front);
-    first
-}
-
 /// Whether the forms meet.
 fn judge_straight(
     answer: &mut Answer,
@@ -212,6 +108,7 @@ fn judge_straight(
         return overlaps;
     }
     let first = if held { First { free_until: 0.0, touching_at: Some(0.0), at_start: true, ..first } } else { first };
+    let is_clear = || deepest(question, unions, &first.counted) > OPEN * s;
     let Some(touch) = touch else {
         if first.touching_at.is_some_and(|time| time <= 1.0) {
             answer.fault(FaultKind::Verdict, format!("no touch; {says}"));
@@ -231,17 +128,11 @@ fn judge_straight(
     // Of a concave form another piece that is grazed may leave it open.
     let is_alone = unions.iter().all(|union| union.pieces.len() == 1);
     let is_exact = is_alone && question.accuracy.tier == Tier::Exact && question.accuracy.max_error == 0.0;
-    if is_sharp
-        && is_exact
-        && first.cosine >= COSINE_MIN
-        && width > WIDE / first.cosine
-        && deepest(question, unions) > OPEN * s
-    {
+    if is_sharp && is_exact && first.cosine >= COSINE_MIN && width > WIDE / first.cosine && is_clear() {
         let cosine = first.cosine;
         answer.fault(FaultKind::Width, format!("{width:e} s wide at cosine {cosine:e}: {touch:?}; {says}"));
     }
     let is_excused = touch.certificate.stop == Stop::Budget && question.accuracy.tier != Tier::Exact;
-    let is_clear = || deepest(question, unions) > OPEN * s;
     if touch.certificate.verdict == Verdict::Undecided && !is_excused && is_clear() {
         answer.fault(FaultKind::Undecided, format!("{touch:?}; {says}; s {s:e}"));
     }
@@ -272,16 +163,15 @@ const ON_SURFACE: f64 = 1e-14;
 /// Times at which the depth is looked at.
 const LOOKS: u32 = 16;
 
-/// The greatest depth that some pieces surely have at some time of the motion, or at the nearest that was found.
-fn deepest(question: &MoveQuestion, unions: &[Union; 2]) -> f64 {
+/// The greatest depth that some pieces that count surely have at some time of the motion.
+fn deepest(question: &MoveQuestion, unions: &[Union; 2], counted: &[[usize; 2]]) -> f64 {
     let places = question.places();
     let mut deepest = 0.0_f64;
-    for look in 0..=LOOKS {
-        let time = f64::from(look) / f64::from(LOOKS);
-        for [(solid_a, place_a, _), (solid_b, place_b, _)] in pairs(unions, &places) {
-            let truth = Truth::at([(solid_a, &place_a), (solid_b, &place_b)], crate::oracle::Number::of(time), &[]);
-            deepest = deepest.max(-truth.bounds()[1]);
-        }
+    for (look, pieces) in (0..=LOOKS).flat_map(|look| counted.iter().map(move |pieces| (look, pieces))) {
+        let time = crate::oracle::Number::of(f64::from(look) / f64::from(LOOKS));
+        let [a, b] = [0, 1].map(|side| &unions[side].pieces[pieces[side]]);
+        let sides = [(&a.solid, &a.place(&places[0])), (&b.solid, &b.place(&places[1]))];
+        deepest = deepest.max(-Truth::at(sides, time, &[]).bounds()[1]);
     }
     deepest
 }
@@ -352,11 +242,15 @@ mod tests {
         accuracy::Accuracy,
         answer::{Bound, Work},
         narrow::{self, Motion, Placed},
+        shape::MeshMode,
     };
-    use glam::DQuat;
+    use glam::{DQuat, DVec3};
 
     use super::*;
-    use crate::coverage::PlacedWhole;
+    use crate::{
+        coverage::{PlacedWhole, Whole},
+        oracle::Core,
+    };
 
     /// A ball that comes to a box, and turns or does not.
     fn question(spin: f64) -> MoveQuestion {
@@ -371,13 +265,20 @@ mod tests {
     }
 
     fn faults(spin: f64, tamper: impl Fn(&mut Option<ImpactTouch>)) -> Vec<FaultKind> {
-        let question = question(spin);
+        faults_of(&question(spin), tamper)
+    }
+
+    fn narrow_touch(question: &MoveQuestion) -> Option<ImpactTouch> {
+        crate::coverage::first_touch(question).expect("forms").1
+    }
+
+    fn faults_of(question: &MoveQuestion, tamper: impl Fn(&mut Option<ImpactTouch>)) -> Vec<FaultKind> {
         let geometries = question.sides.each_ref().map(|side| side.whole.geometry().expect("a form"));
         let [a, b] = [0, 1].map(|side| Placed { geometry: &geometries[side], pose: question.sides[side].pose() });
         let mut work = Work::default();
         let mut there = narrow::impact(a, b, &question.motion, &question.accuracy, &mut work);
         tamper(&mut there);
-        let outcome = judge(&question, &Moved { there, back: there, work });
+        let outcome = judge(question, &Moved { there, back: there, work });
         outcome.faults().map(|fault| fault.kind).collect()
     }
 
@@ -395,6 +296,29 @@ mod tests {
                 });
                 assert!(!moved.is_empty(), "{spin} {by}");
             }
+        }
+    }
+
+    /// Beside a triangle that the ball goes through from behind, another may be grazed: that is as open as a graze is.
+    #[test]
+    fn only_what_counts_is_too_deep_to_be_open() {
+        let from = |height: f64| {
+            let mut question = question(0.0);
+            let vertices = vec![DVec3::new(-9.0, 0.0, -9.0), DVec3::new(0.0, 0.0, 9.0), DVec3::new(9.0, 0.0, -9.0)];
+            question.sides[0].whole = Whole::Mesh { mode: MeshMode::OneSided, vertices, triangles: vec![[0, 1, 2]] };
+            question.sides[1].position = DVec3::Y * height;
+            question.motion.displacement_b = DVec3::Y * (-2.0 * height);
+            question
+        };
+        let touch = narrow_touch(&from(4.0)).expect("the front is met");
+        assert_eq!(narrow_touch(&from(-4.0)), None, "the back is not");
+        for (height, expected) in [(4.0, vec![FaultKind::Undecided]), (-4.0, vec![])] {
+            let open = |found: &mut Option<ImpactTouch>| {
+                let mut touch = touch;
+                touch.certificate.verdict = Verdict::Undecided;
+                *found = Some(touch);
+            };
+            assert_eq!(faults_of(&from(height), open), expected, "{height}");
         }
     }
 }

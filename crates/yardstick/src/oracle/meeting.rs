@@ -27,7 +27,8 @@ pub struct Meeting {
     pub touching_at: Option<f64>,
     /// They touch at the start, surely or within rounding.
     pub touches_at_start: bool,
-    /// Cosine between the way and the plane they meet at; 1 where they do not.
+    /// Cosine between the way and the normal that they meet along, below 0 if they touch at the start and part; 1 where they do not
+    /// meet or do not move.
     pub cosine: f64,
     /// From `a` to `b` shortly before they meet; within a tenth of a radian.
     pub normal_a_to_b: DVec3,
@@ -59,11 +60,12 @@ pub fn meeting(sides: [(&Solid, &Place); 2]) -> Meeting {
     let scaled = |v: DVec3| v.to_array().map(|part| Double::of(times_power_of_two(part, here.exponent)));
     let (of_a, of_b) = (scaled(sides[0].1.displacement), scaled(sides[1].1.displacement));
     let ahead = Vector { x: of_b[0] - of_a[0], y: of_b[1] - of_a[1], z: of_b[2] - of_a[2] };
+    let length = ahead.length().nearest();
     if !rest.is_open() || !here.is_open() {
         let touching_at = rest.is_closed().then_some(0.0);
-        return Meeting { touching_at, touches_at_start: true, ..never(0.0) };
+        let cosine = if length > 0.0 { -rest.normal.dot(ahead).nearest() / length } else { 1.0 };
+        return Meeting { touching_at, touches_at_start: true, cosine, ..never(0.0) };
     }
-    let length = ahead.length().nearest();
     let (mut cosine, mut normal) = (1.0, here.normal);
     for _ in 0..STEPS_MAX {
         if !here.is_open() {
