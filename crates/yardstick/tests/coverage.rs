@@ -146,10 +146,11 @@ fn any_number_of_threads_counts_the_same() {
 fn a_run_that_is_resumed_ends_as_one_that_was_not() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.json");
-    let kept = |cases: u64| Settings { cases, resume: Some(file.clone()), ..settings(None, u64::MAX, 1) };
-    run_quietly(&kept(60));
+    let from = |first: u64| Settings { first, ..settings(None, u64::MAX, 1) };
+    let kept = |cases: u64| Settings { cases, resume: Some(file.clone()), ..from(40) };
+    assert_eq!(run_quietly(&kept(60)).next, 100, "a file that is not there yet is begun at the first case");
     let resumed = run_quietly(&kept(140));
-    let whole = run_quietly(&Settings { cases: 140, ..settings(None, u64::MAX, 1) });
+    let whole = run_quietly(&Settings { cases: 140, ..from(40) });
     assert_eq!((resumed.next, &resumed.report), (whole.next, &whole.report));
     let other = Settings { seed: 2, ..kept(140) };
     assert!(run(&other, &AtomicBool::new(false), &mut |_| (), &mut |_| ()).is_err(), "the file is of another seed");

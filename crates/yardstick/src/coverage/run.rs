@@ -73,8 +73,8 @@ pub fn run(
     failed: &mut (dyn FnMut(Failure) + Send),
 ) -> io::Result<State> {
     let path = settings.resume.as_deref();
-    let beginning = State { seed: settings.seed, next: settings.first, ..State::default() };
-    let mut state = path.map_or(Ok(beginning), |path| State::resumed(path, settings.seed))?;
+    let beginning = State::beginning(settings.seed, settings.first);
+    let mut state = if let Some(path) = path { beginning.or_resumed(path)? } else { beginning };
     let mut keeper = Keeper::new(path);
     let failed = Mutex::new(failed);
     let last = settings.first.saturating_add(settings.cases);

@@ -24,17 +24,23 @@ pub struct State {
 }
 
 impl State {
-    /// What was saved, or a beginning if there is no such file.
+    /// A run of which nothing is asked yet; `first` is the number of its first case.
+    #[must_use]
+    pub fn beginning(seed: u64, first: u64) -> Self {
+        Self { seed, next: first, ..Self::default() }
+    }
+
+    /// What was saved, or this if there is no such file.
     ///
     /// # Errors
     /// The file cannot be read, is none of ours, or is that of another seed.
-    pub fn resumed(path: &Path, seed: u64) -> io::Result<Self> {
+    pub fn or_resumed(self, path: &Path) -> io::Result<Self> {
         if !path.exists() {
-            return Ok(Self { seed, ..Self::default() });
+            return Ok(self);
         }
         let state: Self = serde_json::from_slice(&fs::read(path)?).map_err(io::Error::from)?;
-        if state.seed != seed {
-            let reason = format!("{} is of seed {}, not {seed}", path.display(), state.seed);
+        if state.seed != self.seed {
+            let reason = format!("{} is of seed {}, not {}", path.display(), state.seed, self.seed);
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
         }
         Ok(state)
