@@ -16,7 +16,7 @@ use glam::DVec3;
 
 pub use self::kept::{Find, Form};
 use crate::{
-    coverage::{self, Fault, FaultKind, MoveQuestion, Outcome, Question, RayQuestion},
+    coverage::{self, MoveQuestion, Outcome, Question, RayQuestion},
     oracle::{meeting, stretch_inside},
     scene::Random,
 };
@@ -49,23 +49,14 @@ pub enum Asked {
 #[must_use]
 pub fn badness(asked: &Asked) -> Option<f64> {
     let (outcome, ratio) = examined(asked)?;
-    if outcome.faults().any(is_wrong) { Some(f64::INFINITY) } else { ratio }
-}
-
-/// An interval that is wide, or open, holds the truth: that is no lie, and not sought here.
-fn is_wrong(fault: &Fault) -> bool {
-    !matches!(fault.kind, FaultKind::Width | FaultKind::Undecided)
+    if outcome.faults().next().is_some() { Some(f64::INFINITY) } else { ratio }
 }
 
 /// What is wrong with the answers, in words.
 #[must_use]
 pub fn faults(asked: &Asked) -> Vec<String> {
     let outcome = examined(asked).map(|(outcome, _)| outcome).unwrap_or_default();
-    outcome
-        .faults()
-        .filter(|fault| is_wrong(fault))
-        .map(|fault| format!("{}: {}", fault.kind.name(), fault.what))
-        .collect()
+    outcome.faults().map(|fault| format!("{}: {}", fault.kind.name(), fault.what)).collect()
 }
 
 fn examined(asked: &Asked) -> Option<(Outcome, Option<f64>)> {

@@ -29,18 +29,18 @@
 //! follow all of them: see `inscribed.rs` for a lower bound there. A budget that is spent leaves the bounds as they are.
 
 use glam::DVec3;
-use robust::{Coord3D, orient3d};
 use smallvec::{SmallVec, smallvec};
 
 use super::{
     frame::Pair,
     gjk, manifold,
+    orientation::{Turn, has_origin_inside, orientation},
     simplex::{Simplex, Vertex, nearest_of_triangle},
 };
 use crate::{
     answer::Stop,
     math::{Norm, exact},
-    tolerance::{CROSS_BLUR, DEPTH_WIDTH, FACE_HEIGHT, PAIR_ROUNDING, SMALL_AREA, VOLUME_DOUBT},
+    tolerance::{DEPTH_WIDTH, FACE_HEIGHT, PAIR_ROUNDING, SMALL_AREA, VOLUME_DOUBT},
 };
 
 /// What is known of the depth of two cores, in the pair's frame.
@@ -340,12 +340,6 @@ fn plane(a: DVec3, b: DVec3, c: DVec3) -> (DVec3, f64, f64) {
     }
 }
 
-/// Whether the origin lies on the inner side of a triangle, exactly; not if it lies in its plane.
-fn has_origin_inside(a: DVec3, b: DVec3, c: DVec3) -> bool {
-    let coordinate = |point: DVec3| Coord3D { x: point.x, y: point.y, z: point.z };
-    orient3d(coordinate(a), coordinate(b), coordinate(c), coordinate(DVec3::ZERO)) > 0.0
-}
-
 /// Four vertices of the difference with a positive volume, grown from those of a simplex; `None` if the difference has none.
 fn tetrahedron(pair: &Pair<'_>, start: &Simplex) -> Option<[Vertex; 4]> {
     let mut vertices: SmallVec<[Vertex; 4]> = SmallVec::from_slice(start.vertices());
@@ -374,14 +368,8 @@ fn tetrahedron(pair: &Pair<'_>, start: &Simplex) -> Option<[Vertex; 4]> {
         add_off(&mut vertices, &[(b - a).cross(c - a).try_unit()?])?;
     }
     let [a, b, c, d] = [vertices[0], vertices[1], vertices[2], vertices[3]];
-    let (u, v, w) = (b.point - a.point, c.point - a.point, d.point - a.point);
-    let volume = u.cross(v).dot(w);
-    let blur = CROSS_BLUR * u.norm() * v.norm() * w.norm();
-    if volume > blur {
-        Some([a, b, c, d])
-    } else if volume < -blur {
-        Some([a, c, b, d])
-    } else {
-        None
+    match orientation([a, b, c, d].map(|vertex| vertex.point))? {
+        Turn::Left => Some([a, b, c, d]),
+        Turn::Right => Some([a, c, b, d]),
     }
 }

@@ -29,6 +29,7 @@ mod motion;
 mod nested;
 mod newest;
 mod order;
+mod orientation;
 mod overlapping;
 mod portal;
 mod revolved;
