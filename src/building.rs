@@ -13,7 +13,7 @@ use std::{
 
 use collision::{
     decompose::{Options, Progress, decompose},
-    shape::{Form, Geometry, GeometryError, GeometryId},
+    shape::{Asking, Form, Geometry, GeometryError, GeometryId},
 };
 use parking_lot::Mutex;
 use tokio::sync::{Semaphore, watch};
@@ -47,19 +47,22 @@ pub(crate) struct Building {
     /// Without its parts.
     pub(crate) mesh: Geometry,
     options: Options,
+    /// Who asked for the parts.
+    asking: Asking,
     promised_bytes: u64,
     stage: watch::Sender<Stage>,
     stop: CancellationToken,
 }
 
 impl Building {
-    /// A mesh and what is asked of its parts; it is called off when `ended` is cancelled.
-    pub(crate) fn new(mesh: Geometry, options: Options, ended: &CancellationToken) -> Self {
+    /// A mesh, and what who asks wants of its parts; it is called off when `ended` is cancelled.
+    pub(crate) fn new(mesh: Geometry, options: Options, asking: Asking, ended: &CancellationToken) -> Self {
         Self {
             id: mesh.id_with_parts(&options.asked()),
             promised_bytes: mesh.memory_bytes(),
             mesh,
             options,
+            asking,
             stage: watch::Sender::new(Stage::InWork(0.0)),
             stop: ended.child_token(),
         }
@@ -67,7 +70,7 @@ impl Building {
 
     /// The same for another session, called off when that has `ended`.
     pub(crate) fn again(&self, ended: &CancellationToken) -> Self {
-        Self::new(self.mesh.clone(), self.options, ended)
+        Self::new(self.mesh.clone(), self.options, self.asking, ended)
     }
 
     /// Room that is held for it until its parts are made.
@@ -112,7 +115,7 @@ impl Building {
                 false => ControlFlow::Continue(()),
             }
         };
-        let made = decompose(mesh, &self.options, &mut tell);
+        let made = self.asking.during(|| decompose(mesh, &self.options, &mut tell));
         let made = made.map_err(|_| {
             Problem::new(
                 Reason::Stopping,

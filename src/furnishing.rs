@@ -17,7 +17,7 @@ use std::{
 use collision::{
     decompose::{Progress, furnish},
     narrow::PartsWanted,
-    shape::{Fineness, Mesh},
+    shape::{Asking, Fineness, Mesh},
 };
 use parking_lot::Mutex;
 
@@ -51,14 +51,14 @@ fn key(wanted: &PartsWanted) -> Key {
 }
 
 impl Workshop {
-    /// Has parts made, when their turns come; how far those are that are least far, from 0 to 1.
-    pub(crate) fn furnish(self: &Arc<Self>, wanted: &[PartsWanted]) -> f32 {
+    /// Has parts made for who asks, when their turns come; how far those are that are least far, from 0 to 1.
+    pub(crate) fn furnish(self: &Arc<Self>, asking: Asking, wanted: &[PartsWanted]) -> f32 {
         let mut least = 1.0_f32;
         for parts in wanted {
             let mut known = self.furnishings.0.lock();
             let share = known.entry(key(parts)).or_insert_with(|| {
                 let share = Arc::<Share>::default();
-                tokio::spawn(self.clone().make(parts.clone(), share.clone()));
+                tokio::spawn(self.clone().make(asking, parts.clone(), share.clone()));
                 share
             });
             least = least.min(share.get());
@@ -66,7 +66,7 @@ impl Workshop {
         least
     }
 
-    async fn make(self: Arc<Self>, wanted: PartsWanted, share: Arc<Share>) {
+    async fn make(self: Arc<Self>, asking: Asking, wanted: PartsWanted, share: Arc<Share>) {
         let place = tokio::select! {
             biased;
             () = self.drain.cancelled() => return,
@@ -75,7 +75,9 @@ impl Workshop {
         let (at_work, key) = (self.clone(), key(&wanted));
         let making = tokio::task::spawn_blocking(move || {
             // What is wrong is in the log, and the next question has it tried again.
-            let _ = fenced("making the convex parts that a question needs", || at_work.made_of(&wanted, &share));
+            let _ = fenced("making the convex parts that a question needs", || {
+                asking.during(|| at_work.made_of(&wanted, &share));
+            });
             wanted
         });
         let held = making.await;

@@ -9,7 +9,7 @@ use std::{collections::HashSet, ops::Range, sync::Arc};
 
 use collision::{
     DVec3,
-    shape::{Compound, Convex, Core, Form, Geometry, GeometryId, MeshMode, Part},
+    shape::{Asking, Compound, Convex, Core, Form, Geometry, GeometryId, MeshMode, Part},
     world::{Snapshot, Time, World},
 };
 use tokio_util::sync::CancellationToken;
@@ -144,7 +144,10 @@ impl Intake {
         if let Some(arriving) = self.arriving.take() {
             let geometry = match arriving.end(known)? {
                 ToRegister::Whole(geometry) => geometry,
-                ToRegister::ToCut(mesh, options) => cut(&Building::new(mesh, options, &CancellationToken::new()))?,
+                ToRegister::ToCut(mesh, options) => {
+                    let ended = CancellationToken::new();
+                    cut(&Building::new(mesh, options, Asking::default(), &ended))?
+                }
             };
             known.register(geometry, &nothing())?;
             self.count += 1;

@@ -4,17 +4,16 @@ use std::sync::Arc;
 
 use collision::{
     DVec3,
-    answer::Representation,
-    shape::{Convex, Core, Form, Geometry, GeometryError, HalfSpace, Mesh, MeshMode, StandIn},
+    shape::{Convex, Core, Form, Geometry, GeometryError, HalfSpace, Mesh, MeshMode},
 };
 use wire::v1::{self as pb, geometry::Kind};
 
 use super::{
-    answer::representation,
+    built::{stand_ins_out, structures_out},
     compound, height_field,
     number::unknown_enum,
     parts::result_out,
-    place::{aabb_out, column_number, number_out},
+    place::{aabb_out, column_number},
 };
 use crate::{
     geometries::{Geometries, id_text},
@@ -284,45 +283,19 @@ pub(crate) fn info_out(geometry: &Geometry, shape_count: u64) -> Checked<pb::Geo
         warnings,
         problem: None,
         stand_ins: stand_ins_out(geometry)?,
-    })
-}
-
-/// From coarse to fine; convex parts that questions had made last.
-fn stand_ins_out(geometry: &Geometry) -> Checked<Vec<pb::StandIn>> {
-    let mut known = geometry.stand_ins_built().map(stand_in_out).collect::<Checked<Vec<_>>>()?;
-    if let Form::Mesh(mesh) = geometry.form() {
-        for parts in mesh.all_made_parts() {
-            known.push(pb::StandIn {
-                representation: representation(Representation::Decomposition).into(),
-                outside: number_out(parts.outside.upper)?,
-                inside: number_out(parts.inside.upper)?,
-                vertex_count: u32::try_from(counts(&parts.whole).vertex_count).unwrap_or(u32::MAX),
-                memory_bytes: parts.whole.memory_bytes(),
-            });
-        }
-    }
-    Ok(known)
-}
-
-fn stand_in_out(stand_in: &StandIn) -> Checked<pb::StandIn> {
-    Ok(pb::StandIn {
-        representation: representation(stand_in.representation()).into(),
-        outside: number_out(stand_in.outside())?,
-        inside: number_out(stand_in.inside())?,
-        vertex_count: u32::try_from(stand_in.vertex_count()).unwrap_or(u32::MAX),
-        memory_bytes: stand_in.memory_bytes(),
+        structures: structures_out(geometry),
     })
 }
 
 /// Of vertices, and of triangles or cells.
 #[derive(Default)]
-struct Counts {
-    vertex_count: u64,
+pub(super) struct Counts {
+    pub(super) vertex_count: u64,
     face_count: u64,
 }
 
 /// Those of a compound are the sums of those of its parts.
-fn counts(geometry: &Geometry) -> Counts {
+pub(super) fn counts(geometry: &Geometry) -> Counts {
     let of = |vertices: usize, faces: usize| Counts { vertex_count: vertices as u64, face_count: faces as u64 };
     match geometry.form() {
         Form::Convex(convex) => of(convex_vertex_count(&convex.core), 0),

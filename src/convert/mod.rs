@@ -7,6 +7,7 @@
 pub(crate) mod account;
 pub(crate) mod answer;
 pub(crate) mod archive;
+pub(crate) mod built;
 pub(crate) mod character;
 pub(crate) mod columns;
 mod compound;

@@ -9,6 +9,7 @@ use wire::v1::{self as pb, geometry::Kind};
 
 use super::{
     answer::interval,
+    built::build_time_out,
     geometry::{info_out, registrable},
     number::{count, not_finite},
 };
@@ -94,6 +95,8 @@ pub(crate) fn result_out(parts: &MeshParts) -> Checked<pb::DecomposeResult> {
             Stop::Budget => pb::Stop::Budget,
         }
         .into(),
+        build_time: build_time_out(parts.receipt.build_ns),
+        first_tick: parts.receipt.first_tick.unwrap_or(0),
     })
 }
 

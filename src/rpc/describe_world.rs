@@ -10,6 +10,7 @@ use super::{Caller, Server};
 use crate::{
     compute::{self, Weight},
     convert::{
+        built::build_time_out,
         number::{duration, timestamp},
         place::{aabb_out, number_out},
         settings::settings_out,
@@ -37,7 +38,7 @@ pub(super) async fn answer(
         name: built.name.to_owned(),
         count: built.count,
         memory_bytes: built.memory_bytes,
-        build_time: built.build_ns.map(|nanoseconds| duration(Duration::from_nanos(nanoseconds))),
+        build_time: build_time_out(built.build_ns),
         first_tick: built.first_tick.map_or(0, Tick::get),
     });
     let counters = &session.counters;

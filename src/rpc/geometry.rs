@@ -71,14 +71,15 @@ impl Registered {
 /// As [`create`].
 pub(super) fn register(session: &Session, form: &pb::Geometry) -> Checked<Registered> {
     let newest = session.newest();
-    let (mesh, options) = match to_register(form, &session.geometries).under("geometry")? {
+    let asking = newest.asking();
+    let (mesh, options) = match asking.during(|| to_register(form, &session.geometries)).under("geometry")? {
         ToRegister::Whole(geometry) => {
             let geometry = session.geometries.register(geometry, &newest)?;
             return Ok(Registered { info: ready_out(session, &geometry)?, to_cut: None });
         }
         ToRegister::ToCut(mesh, options) => (mesh, options),
     };
-    let building = Arc::new(Building::new(mesh, options, &session.ended));
+    let building = Arc::new(Building::new(mesh, options, asking, &session.ended));
     match session.geometries.begin(&building, &newest)? {
         Known::Ready(geometry) => Ok(Registered { info: ready_out(session, &geometry)?, to_cut: None }),
         Known::InWork(known) => {

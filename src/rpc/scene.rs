@@ -201,7 +201,8 @@ impl Scene {
     /// What is told of a question without an answer. Parts that it lacks are made from now on.
     fn refused(&self, error: &QuestionError) -> Problem {
         if let QuestionError::PartsMissing { with, wanted } = error {
-            let progress = self.workshop.as_ref().map_or(0.0, |workshop| workshop.furnish(wanted));
+            let asking = self.snapshot.asking();
+            let progress = self.workshop.as_ref().map_or(0.0, |workshop| workshop.furnish(asking, wanted));
             return answer::parts_missing(*with, wanted.len(), progress);
         }
         answer::refused(error, self.snapshot.tick())

@@ -74,6 +74,7 @@ async fn a_mesh_is_cut_and_says_what_its_parts_are_worth() {
     let (outside, inside) = (parts.outside.expect("an interval"), parts.inside.expect("an interval"));
     assert!(outside.upper.expect("a bound") < 1e-9 && inside.upper.expect("a bound") < 1e-9);
     assert!(parts.volume_excess.expect("it is closed").abs() < 1e-9);
+    assert!(parts.build_time.is_some() && parts.first_tick == 1, "no tick was made before: {parts:?}");
     // 0 stands for 32, and what is there is not made again.
     let again = create(&mut bench, "", cut(l_shape(), 32)).await;
     assert_eq!((again.state(), &again.geometry_id), (pb::GeometryState::Ready, &created.geometry_id));

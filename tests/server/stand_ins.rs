@@ -40,6 +40,11 @@ async fn an_answer_says_what_stood_in_and_the_world_what_was_built() {
     assert_eq!((exact.outside, exact.inside), (0.0, 0.0));
     let told = bench.geometries.get_geometry(get.clone()).await.unwrap().into_inner().geometry.unwrap();
     assert!(told.stand_ins.is_empty(), "no question has needed any: {:?}", told.stand_ins);
+    let names: Vec<_> = told.structures.iter().map(|structure| structure.name.as_str()).collect();
+    assert_eq!(names, ["mesh_tree"], "the exact question searched its triangles");
+    assert!(told.structures[0].first_tick == 2 && told.structures[0].build_time.is_some(), "{told:?}");
+
+    bench.edit(vec![insert(shape(2, sphere(1.0), at(0.0, 500.0, 0.0)))]).await.unwrap();
 
     let loose = certificate(&mut bench, Some(0.5)).await;
     assert_eq!(loose.representation(), pb::Representation::OrientedBox);
@@ -50,6 +55,11 @@ async fn an_answer_says_what_stood_in_and_the_world_what_was_built() {
     let rungs: Vec<_> = told.stand_ins.iter().map(|rung| rung.representation()).collect();
     assert_eq!(rungs, [pb::Representation::Sphere, pb::Representation::OrientedBox]);
     assert!(told.stand_ins.iter().all(|rung| rung.memory_bytes > 0 && rung.vertex_count > 0), "{told:?}");
+    assert!(told.stand_ins.iter().all(|rung| rung.first_tick == 3 && rung.build_time.is_some()), "{told:?}");
     let built = bench.describe().await.built;
-    assert!(built.iter().any(|built| built.name == "ball_and_box" && built.count == 1), "{built:?}");
+    let named =
+        |name: &str| built.iter().find(|built| built.name == name).unwrap_or_else(|| panic!("{name}: {built:?}"));
+    let (volumes, tree) = (named("ball_and_box"), named("mesh_tree"));
+    assert_eq!((volumes.count, volumes.first_tick, tree.first_tick), (1, 3, 2));
+    assert!(volumes.build_time == told.stand_ins[0].build_time && tree.build_time == told.structures[0].build_time);
 }

@@ -50,7 +50,7 @@ use self::{
 };
 use crate::{
     answer::{Bound, Stop},
-    shape::{Convex, Core, Fineness, Form, Geometry, GeometryError, Mesh, MeshParts, PartsAsked},
+    shape::{Convex, Core, Fineness, Form, Geometry, GeometryError, Mesh, MeshParts, PartsAsked, Receipt, receipted},
     tolerance::CUT_OUTSIDE,
 };
 
@@ -142,6 +142,8 @@ pub struct Decomposition {
     pub stop: Stop,
     /// Steps it took.
     pub steps: u64,
+    /// What it took otherwise, and when it was asked for.
+    pub receipt: Receipt,
 }
 
 /// Cuts a mesh into convex parts. The same mesh and options give the same parts, bit by bit; a larger `max_parts` goes on
@@ -169,6 +171,15 @@ pub fn decompose(
     options: &Options,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Decomposition, Cancelled> {
+    let (made, receipt) = receipted(|| cut(mesh, options, progress));
+    made.map(|made| Decomposition { receipt, ..made })
+}
+
+fn cut(
+    mesh: &Mesh,
+    options: &Options,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Decomposition, Cancelled> {
     let subject = Subject::new(mesh);
     let growth = Growth::new(&subject, options, progress).run()?;
     let parts: Vec<Part> = growth.parts.iter().map(|part| part.finished()).collect();
@@ -185,6 +196,7 @@ pub fn decompose(
         parts,
         stop: growth.stop,
         steps: growth.meter.work.steps(),
+        receipt: Receipt::default(),
     })
 }
 
@@ -234,6 +246,7 @@ impl Decomposition {
             inside: self.errors.inside,
             volume_excess: self.volume_excess,
             stop: self.stop,
+            receipt: self.receipt,
         })
     }
 }

@@ -16,7 +16,7 @@
 
 use std::{
     collections::{HashMap, HashSet},
-    sync::{Arc, OnceLock},
+    sync::Arc,
 };
 
 use glam::DQuat;
@@ -24,7 +24,9 @@ use glam::DQuat;
 use super::{
     Form, Geometry,
     bounds::{farthest_of_part, part_bounds},
+    built::Structure,
     ladder::Ladder,
+    lazy::Lazy,
     limits::{AXES, GeometryError, Limits, check_count, check_finite, out_of_limits},
 };
 use crate::{
@@ -50,7 +52,7 @@ pub struct Compound {
     leaf_count: u32,
     depth: u32,
     has_surface: bool,
-    tree: OnceLock<StaticTree>,
+    tree: Lazy<StaticTree>,
     ladder: Ladder,
 }
 
@@ -63,7 +65,7 @@ impl Compound {
             depth: 1,
             has_surface: false,
             parts: Vec::new(),
-            tree: OnceLock::new(),
+            tree: Lazy::default(),
             ladder: Ladder::default(),
         };
         for (index, part) in parts.iter().enumerate() {
@@ -123,7 +125,7 @@ impl Compound {
     /// The tree over the boxes of its parts; built when a question first needs it. Leaves are parts.
     #[must_use]
     pub fn tree(&self) -> &StaticTree {
-        self.tree.get_or_init(|| {
+        self.tree.get_or_build(|| {
             let boxes: Vec<Aabb> = self.parts.iter().map(|part| part.geometry.bounds(&part.pose)).collect();
             StaticTree::build(&boxes)
         })
@@ -132,7 +134,7 @@ impl Compound {
     /// The tree, if a question has needed it.
     #[must_use]
     pub fn built_tree(&self) -> Option<&StaticTree> {
-        self.tree.get()
+        self.tree.built()
     }
 
     /// Bytes held now, without its parts: its lists, and its tree if that is built.
@@ -141,7 +143,13 @@ impl Compound {
         let lists = size_of_val(self.parts.as_slice()) + size_of_val(self.first_leaves.as_slice());
         (size_of::<Self>() + lists) as u64
             + self.ladder.memory_bytes()
-            + self.tree.get().map_or(0, StaticTree::memory_bytes)
+            + self.tree.built().map_or(0, StaticTree::memory_bytes)
+    }
+
+    /// What questions made it build for itself, stand-ins aside.
+    pub(super) fn structure(&self) -> Option<Structure> {
+        let tree_bytes = self.built_tree().map_or(0, StaticTree::memory_bytes);
+        Structure::of("compound_tree", tree_bytes, [self.tree.receipt()])
     }
 
     /// What may stand in for it.

@@ -4,15 +4,15 @@
 //! The vertices are the distinct points as sent, inner ones included: the support function passes over those. Faces are
 //! whole polygons (triangles in exactly one plane are one face).
 
-use std::sync::OnceLock;
-
 use glam::DVec3;
 
 use super::{
     bounds::{around, farthest},
+    built::Structure,
     climb::Slopes,
     farthest::Columns,
     ladder::Ladder,
+    lazy::Lazy,
     quickhull,
     topology::{Edge, Face, Topology},
 };
@@ -27,9 +27,9 @@ pub struct Hull {
     reach_up: f64,
     center: DVec3,
     bounds: Aabb,
-    topology: OnceLock<Topology>,
-    slopes: OnceLock<Slopes>,
-    normals: OnceLock<Columns>,
+    topology: Lazy<Topology>,
+    slopes: Lazy<Slopes>,
+    normals: Lazy<Columns>,
     ladder: Ladder,
 }
 
@@ -53,9 +53,9 @@ impl Hull {
             center: vertices.iter().sum::<DVec3>() / vertices.len() as f64,
             bounds: around(&vertices),
             vertices,
-            topology: OnceLock::new(),
-            slopes: OnceLock::new(),
-            normals: OnceLock::new(),
+            topology: Lazy::default(),
+            slopes: Lazy::default(),
+            normals: Lazy::default(),
             ladder: Ladder::default(),
         }
     }
@@ -141,7 +141,7 @@ impl Hull {
     /// Its faces and edges: built on the first call, in O(n log n) for typical points.
     #[must_use]
     pub fn topology(&self) -> &Topology {
-        self.topology.get_or_init(|| quickhull::topology(&self.vertices))
+        self.topology.get_or_build(|| quickhull::topology(&self.vertices))
     }
 
     /// The face that looks most along `direction` (local frame), of equal ones the first; `None` if there are none. The
@@ -153,7 +153,7 @@ impl Hull {
             return None;
         }
         let columns = || Columns::new(&faces.iter().map(|face| face.normal).collect::<Vec<_>>());
-        faces.get(self.normals.get_or_init(columns).farthest(direction) as usize)
+        faces.get(self.normals.get_or_build(columns).farthest(direction) as usize)
     }
 
     /// Its volume, cubic metres, to within rounding; 0 if it is flat. The first call builds the topology.
@@ -182,19 +182,28 @@ impl Hull {
     }
 
     fn slopes(&self) -> &Slopes {
-        self.slopes.get_or_init(|| Slopes::new(&self.vertices, self.topology()))
+        self.slopes.get_or_build(|| Slopes::new(&self.vertices, self.topology()))
+    }
+
+    /// What questions made it build for itself, stand-ins aside.
+    pub(super) fn structure(&self) -> Option<Structure> {
+        let receipts = [self.topology.receipt(), self.slopes.receipt(), self.normals.receipt()];
+        Structure::of("hull_adjacency", self.adjacency_bytes(), receipts)
+    }
+
+    fn adjacency_bytes(&self) -> u64 {
+        let topology = self.topology.built().map_or(0, |topology| {
+            let corners: usize = topology.faces.iter().map(|face| face.vertices.len() * size_of::<u32>()).sum();
+            corners + topology.faces.len() * size_of::<Face>() + topology.edges.len() * size_of::<Edge>()
+        });
+        let slopes = self.slopes.built().map_or(0, Slopes::memory_bytes);
+        (topology + slopes + self.normals.built().map_or(0, Columns::memory_bytes)) as u64
     }
 
     /// Bytes it holds in memory now.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        let topology = self.topology.get().map_or(0, |topology| {
-            let corners: usize = topology.faces.iter().map(|face| face.vertices.len() * size_of::<u32>()).sum();
-            corners + topology.faces.len() * size_of::<Face>() + topology.edges.len() * size_of::<Edge>()
-        });
-        let slopes =
-            self.slopes.get().map_or(0, Slopes::memory_bytes) + self.normals.get().map_or(0, Columns::memory_bytes);
         let points = self.vertices.len() * size_of::<DVec3>() + self.columns.memory_bytes();
-        (size_of::<Self>() + points + topology + slopes) as u64 + self.ladder.memory_bytes()
+        (size_of::<Self>() + points) as u64 + self.adjacency_bytes() + self.ladder.memory_bytes()
     }
 }

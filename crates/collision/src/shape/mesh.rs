@@ -7,10 +7,12 @@ use glam::DVec3;
 use super::{
     adjacency::Adjacency,
     bounds::around,
+    built::Structure,
     creases::Fans,
     equal::first_equal,
     islands::first_vertices,
     ladder::Ladder,
+    lazy::Lazy,
     mode::MeshMode,
     parts::{MadeParts, MeshParts},
 };
@@ -30,11 +32,11 @@ pub struct Mesh {
     bounds: Aabb,
     triangles_sent: usize,
     merged_vertices: usize,
-    adjacency: OnceLock<Adjacency>,
+    adjacency: Lazy<Adjacency>,
     report: OnceLock<MeshReport>,
-    fans: OnceLock<Fans>,
+    fans: Lazy<Fans>,
     part_vertices: OnceLock<Vec<u32>>,
-    tree: OnceLock<StaticTree>,
+    tree: Lazy<StaticTree>,
     parts: Option<Arc<MeshParts>>,
     made: MadeParts,
     ladder: Ladder,
@@ -85,11 +87,11 @@ impl Mesh {
             bounds: around(&[]),
             triangles_sent,
             merged_vertices,
-            adjacency: OnceLock::new(),
+            adjacency: Lazy::default(),
             report: OnceLock::new(),
-            fans: OnceLock::new(),
+            fans: Lazy::default(),
             part_vertices: OnceLock::new(),
-            tree: OnceLock::new(),
+            tree: Lazy::default(),
             parts: None,
             made: MadeParts::default(),
             ladder: Ladder::default(),
@@ -198,7 +200,7 @@ impl Mesh {
     /// Which triangles are neighbours; built when first asked.
     #[must_use]
     pub fn adjacency(&self) -> &Adjacency {
-        self.adjacency.get_or_init(|| Adjacency::new(self.vertices.len(), &self.triangles))
+        self.adjacency.get_or_build(|| Adjacency::new(self.vertices.len(), &self.triangles))
     }
 
     /// A vertex of each connected part; the parts are found when first asked.
@@ -209,13 +211,13 @@ impl Mesh {
 
     /// The triangles at each vertex; built when a contact first needs them.
     pub(super) fn fans(&self) -> &Fans {
-        self.fans.get_or_init(|| Fans::new(self.vertices.len(), &self.triangles))
+        self.fans.get_or_build(|| Fans::new(self.vertices.len(), &self.triangles))
     }
 
     /// The tree over the boxes of its triangles; built when a question first needs it. Leaves are kept triangles.
     #[must_use]
     pub fn tree(&self) -> &StaticTree {
-        self.tree.get_or_init(|| {
+        self.tree.get_or_build(|| {
             let boxes = (0..self.triangles.len()).map(|index| (self.triangle_bounds(index), ALL_LAYERS));
             StaticTree::build_on_layers(boxes)
         })
@@ -224,7 +226,22 @@ impl Mesh {
     /// The tree, if a question has needed it.
     #[must_use]
     pub fn built_tree(&self) -> Option<&StaticTree> {
-        self.tree.get()
+        self.tree.built()
+    }
+
+    /// What questions made it build, stand-ins and parts aside.
+    pub(super) fn structures(&self) -> impl Iterator<Item = Structure> {
+        let tree_bytes = self.built_tree().map_or(0, StaticTree::memory_bytes);
+        let adjacency = Structure::of(
+            "mesh_adjacency",
+            self.adjacency_bytes() as u64,
+            [self.adjacency.receipt(), self.fans.receipt()],
+        );
+        [Structure::of("mesh_tree", tree_bytes, [self.tree.receipt()]), adjacency].into_iter().flatten()
+    }
+
+    fn adjacency_bytes(&self) -> usize {
+        self.adjacency.built().map_or(0, Adjacency::memory_bytes) + self.fans.built().map_or(0, Fans::memory_bytes)
     }
 
     /// The parts that questions had made of it.
@@ -241,7 +258,7 @@ impl Mesh {
     /// never asked anything that needs them.
     #[must_use]
     pub fn report(&self) -> MeshReport {
-        *self.report.get_or_init(|| match self.adjacency.get() {
+        *self.report.get_or_init(|| match self.adjacency.built() {
             Some(adjacency) => self.reported(adjacency),
             None => self.reported(&Adjacency::new(self.vertices.len(), &self.triangles)),
         })
@@ -264,12 +281,11 @@ impl Mesh {
         let lists = size_of_val(self.vertices.as_slice())
             + size_of_val(self.triangles.as_slice())
             + size_of_val(self.sent_numbers.as_slice())
-            + self.adjacency.get().map_or(0, Adjacency::memory_bytes)
-            + self.fans.get().map_or(0, Fans::memory_bytes)
+            + self.adjacency_bytes()
             + self.part_vertices.get().map_or(0, |parts| size_of_val(parts.as_slice()));
         let parts = self.parts().map_or(0, |parts| parts.whole.memory_bytes());
         let lazy = parts + self.made.memory_bytes() + self.ladder.memory_bytes();
-        (size_of::<Self>() + lists) as u64 + lazy + self.tree.get().map_or(0, StaticTree::memory_bytes)
+        (size_of::<Self>() + lists) as u64 + lazy + self.tree.built().map_or(0, StaticTree::memory_bytes)
     }
 }
 

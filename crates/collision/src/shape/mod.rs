@@ -5,6 +5,7 @@
 
 mod adjacency;
 mod bounds;
+mod built;
 mod climb;
 mod compound;
 mod convex;
@@ -19,6 +20,7 @@ mod hull;
 mod identity;
 mod islands;
 mod ladder;
+mod lazy;
 mod limits;
 mod mesh;
 mod mode;
@@ -32,8 +34,10 @@ mod solid;
 mod topology;
 
 pub(crate) use foot::{foot, radius_up};
+pub(crate) use lazy::receipted;
 
 pub use adjacency::Adjacency;
+pub use built::Structure;
 pub use compound::{Compound, Part, distinct};
 pub use convex::{Convex, Core};
 pub use creases::{Normals, Sides};
@@ -43,6 +47,7 @@ pub(crate) use height_field::Standing;
 pub use height_field::{HeightField, Terrain};
 pub use hull::Hull;
 pub use ladder::{SIMPLIFIED_VERTICES, StandIn};
+pub use lazy::{Asking, Clock, Receipt};
 pub use limits::{GeometryError, Limits};
 pub use mesh::{Mesh, MeshReport};
 pub use mode::{MeshMode, SolidFault};

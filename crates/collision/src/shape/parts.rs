@@ -12,7 +12,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::{Form, Geometry, GeometryError, GeometryId, Mesh, compound::Part, identity::id_with_parts};
+use super::{Form, Geometry, GeometryError, GeometryId, Mesh, compound::Part, identity::id_with_parts, lazy::Receipt};
 use crate::{
     answer::{Bound, Stop},
     math::{Norm, Pose},
@@ -44,6 +44,8 @@ pub struct MeshParts {
     pub volume_excess: Option<f64>,
     /// Why they were made no finer.
     pub stop: Stop,
+    /// What making them took, and when they were asked for.
+    pub receipt: Receipt,
 }
 
 /// How near to its mesh parts are that are made for questions: one of a few steps.

@@ -94,6 +94,7 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<MovedCharacter, QuestionError> {
+        let _asking = self.asking().now();
         let (geometry, pose, filter) = self.character(question, filter)?;
         let margin = (question.skin + geometry.reach() * SKIN_MIN) * SKIN_MARGIN;
         // A skin that a form cannot have is refused, though sweeps take a thinner one.

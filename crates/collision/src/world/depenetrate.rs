@@ -90,6 +90,7 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<Depenetrated, QuestionError> {
+        let _asking = self.asking().now();
         let subject = self.subject(&question.subject)?;
         let push = Push {
             world: self,

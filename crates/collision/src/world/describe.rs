@@ -1,13 +1,13 @@
 //! What a version of a world holds, what was built for it, and what that costs.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use super::{Settings, Snapshot, Tick, Time};
 use crate::{
     answer::Representation,
     broad::StaticTree,
     math::Aabb,
-    shape::{Form, Geometry, distinct},
+    shape::{Form, Geometry, Receipt, Structure, distinct},
 };
 
 /// What a version holds, what was built for it and what that costs.
@@ -40,15 +40,16 @@ pub struct Description {
 /// Something that was built because a question or an edit first needed it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltStructure {
-    /// `dynamic_tree`, `static_tree`, `mesh_tree`, `compound_tree`, `ball_and_box`, `simplified_hull` and `decomposition` (what stands
-    /// in for geometries; the last are the convex parts that meshes bring or that questions had made), `history` (its ticks), `past_trees` (what questions to the past had built).
+    /// `dynamic_tree`, `static_tree`, `history` (its ticks), `past_trees` (what questions to the past had built); of geometries
+    /// what [`Structure`] names, and what stands in for them: `ball_and_box`, `simplified_hull` and `decomposition` (the convex
+    /// parts that meshes bring or that questions had made).
     pub name: &'static str,
     /// How many of them.
     pub count: u64,
     /// What they hold in memory, bytes.
     pub memory_bytes: u64,
-    /// What it took to build them in all versions so far, nanoseconds; `None` for what grows edit by edit, and in a world
-    /// without a clock.
+    /// What it took to build them in all versions so far, nanoseconds; `None` for what grows edit by edit, and where no question
+    /// with a clock had it built.
     pub build_ns: Option<u64>,
     /// The tick at which the first was needed; `None` where that is not kept.
     pub first_tick: Option<Tick>,
@@ -139,47 +140,47 @@ impl Snapshot {
 
 /// What geometries were needed to build so far; its memory is that of the geometries.
 fn built_in(geometries: &[&Arc<Geometry>]) -> impl Iterator<Item = BuiltStructure> {
-    let [mut meshes, mut compounds, mut fields] = ["mesh_tree", "compound_tree", "height_pyramid"].map(Sum::of);
-    let [mut volumes, mut hulls, mut parts] = ["ball_and_box", "simplified_hull", "decomposition"].map(Sum::of);
+    let mut sums = Sums::default();
     for geometry in geometries {
+        for Structure { name, memory_bytes, receipt } in geometry.structures_built() {
+            sums.add(name, memory_bytes, receipt);
+        }
         for rung in geometry.stand_ins_built() {
             match rung.representation() {
-                // Made together with the box.
-                Representation::Ball => volumes.0.memory_bytes += rung.memory_bytes(),
-                Representation::OrientedBox => volumes.add(Some(rung.memory_bytes())),
-                Representation::SimplifiedHull => hulls.add(Some(rung.memory_bytes())),
+                // Made together with the box, which says what both took.
+                Representation::Ball => sums.of("ball_and_box").memory_bytes += rung.memory_bytes(),
+                Representation::OrientedBox => sums.add("ball_and_box", rung.memory_bytes(), rung.receipt()),
+                Representation::SimplifiedHull => sums.add("simplified_hull", rung.memory_bytes(), rung.receipt()),
                 Representation::Decomposition | Representation::Exact => {}
             }
         }
-        match geometry.form() {
-            Form::Mesh(mesh) => {
-                meshes.add(mesh.built_tree().map(StaticTree::memory_bytes));
-                let cut = mesh.parts().into_iter().chain(mesh.all_made_parts());
-                cut.for_each(|made| parts.add(Some(made.whole.memory_bytes())));
+        if let Form::Mesh(mesh) = geometry.form() {
+            for cut in mesh.parts().into_iter().chain(mesh.all_made_parts()) {
+                sums.add("decomposition", cut.whole.memory_bytes(), cut.receipt);
             }
-            Form::Compound(compound) => compounds.add(compound.built_tree().map(StaticTree::memory_bytes)),
-            Form::HeightField(field) => fields.add(field.built_bytes()),
-            Form::Convex(_) | Form::HalfSpace(_) => {}
         }
     }
-    [meshes, compounds, fields, volumes, hulls, parts]
-        .into_iter()
-        .map(|sum| sum.0)
-        .filter(|structure| structure.count > 0)
+    sums.0.into_values()
 }
 
-/// All structures of one kind.
-struct Sum(BuiltStructure);
+/// All structures of each kind, by name.
+#[derive(Default)]
+struct Sums(BTreeMap<&'static str, BuiltStructure>);
 
-impl Sum {
-    fn of(name: &'static str) -> Self {
-        Self(BuiltStructure { name, count: 0, memory_bytes: 0, build_ns: None, first_tick: None })
+impl Sums {
+    fn of(&mut self, name: &'static str) -> &mut BuiltStructure {
+        let none = BuiltStructure { name, count: 0, memory_bytes: 0, build_ns: None, first_tick: None };
+        self.0.entry(name).or_insert(none)
     }
 
-    /// One more, if it is built.
-    fn add(&mut self, bytes: Option<u64>) {
-        self.0.count += u64::from(bytes.is_some());
-        self.0.memory_bytes += bytes.unwrap_or(0);
+    /// One more.
+    fn add(&mut self, name: &'static str, memory_bytes: u64, receipt: Receipt) {
+        let sum = self.of(name);
+        sum.count += 1;
+        sum.memory_bytes += memory_bytes;
+        let before = Receipt { build_ns: sum.build_ns, first_tick: sum.first_tick.map(Tick::get) };
+        let all = before.and(receipt);
+        (sum.build_ns, sum.first_tick) = (all.build_ns, all.first_tick.and_then(Tick::new));
     }
 }
 

@@ -96,6 +96,7 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<Found<Neighbor>, QuestionError> {
+        let _asking = self.asking().now();
         let subject = self.subject(&question.subject)?;
         let mut best = Best::new(question.max_hits);
         if let Some(other) = self.against(question.against.as_ref())? {

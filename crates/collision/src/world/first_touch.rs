@@ -80,6 +80,7 @@ impl Snapshot {
                 // Any fraction tells how all go on from here.
                 false => self.at(Moment::Between(tick, 0.5))?,
             };
+            let _asking = world.asking().now();
             let touches = question.in_tick(&world, &mut seen, filter, accuracy, meter)?;
             let is_certain = touches.verdict == Verdict::Hit;
             let touches = touches.hits.into_iter().map(|impact| PastTouch { tick, impact });

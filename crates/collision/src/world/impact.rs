@@ -157,6 +157,7 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<Found<Impact>, QuestionError> {
+        let _asking = self.asking().now();
         let subject = self.subject(&question.subject)?;
         let mut gathered = Gathered::new(question.mode);
         if let Some(other) = self.against(question.against.as_ref())? {

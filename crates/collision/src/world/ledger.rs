@@ -3,9 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::Tick;
-
-/// A clock: nanoseconds since any moment. Only how long things took is told from it, no answer.
-pub type Clock = fn() -> i64;
+use crate::shape::Clock;
 
 /// What building something cost in all versions of a world, and when it was first needed.
 #[derive(Debug)]

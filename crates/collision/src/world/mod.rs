@@ -37,6 +37,7 @@ mod tracks;
 mod view;
 mod watch;
 
+pub use crate::shape::Clock;
 pub use character::{MoveCharacter, MovedCharacter};
 pub use depenetrate::{Depenetrate, Depenetrated};
 pub use describe::{BuiltStructure, Description};
@@ -46,7 +47,6 @@ pub use filter::Filter;
 pub use first_touch::{FirstTouch, PastTouch};
 pub use history::{HistoryError, Moment};
 pub use impact::{Impact, TimeOfImpact};
-pub use ledger::Clock;
 pub use notes::{Note, Notes};
 pub use overlap::{Overlap, OverlapHit};
 pub use pairs::{PAIRS_MAX, Pair, PairChanges, PairKeeper, Persisted, STEPS_MAX};

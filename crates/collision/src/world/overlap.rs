@@ -66,6 +66,7 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<Found<OverlapHit>, QuestionError> {
+        let _asking = self.asking().now();
         let subject = self.subject(&question.subject)?;
         // One more than asked for says that there are more. What has no place among them is not looked at.
         let mut lowest = Best::new(question.max_hits.saturating_add(1));

@@ -65,6 +65,7 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<Found<Contact>, QuestionError> {
+        let _asking = self.asking().now();
         let subject = self.subject(&question.subject)?;
         let outline = Outline::of_box(outward(subject.bounds, question.max_gap));
         let mut others: SmallVec<[Side<'_>; 32]> = SmallVec::new();

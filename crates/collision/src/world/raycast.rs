@@ -140,6 +140,7 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<Found<RayHit>, QuestionError> {
+        let _asking = self.asking().now();
         let mut gathered = Gathered::new(question.mode);
         if let Some(other) = self.against(Some(against))?
             && let Some(least) = Track::new(&question.ray).entry(other.bounds, question.ray.max_distance)
@@ -172,6 +173,7 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<Found<RayHit>, QuestionError> {
+        let _asking = self.asking().now();
         let ray = &question.ray;
         let (track, aim) = (Track::new(ray), Aim::new(ray));
         let mut gathered = Gathered::new(question.mode);

@@ -102,6 +102,7 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<Resolved, QuestionError> {
+        let _asking = self.asking().now();
         let mut scene = Scene::default();
         for body in &question.bodies {
             let shape = self.shape(body.id).ok_or(QuestionError::SubjectNotFound(body.id))?;

@@ -1,6 +1,6 @@
 //! What may be set about a world.
 
-use super::ledger::Clock;
+use crate::shape::Clock;
 
 /// What its user may set about a world; none of it changes an answer about the newest version.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

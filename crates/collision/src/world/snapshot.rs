@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     math::{Aabb, Pose},
-    shape::Geometry,
+    shape::{Asking, Geometry},
 };
 
 /// The id of a shape, chosen by the client; never 0.
@@ -132,6 +132,12 @@ impl Snapshot {
     #[must_use]
     pub fn tick(&self) -> Tick {
         self.tick
+    }
+
+    /// Who asks it, for what its geometries build meanwhile. Its own questions say so themselves.
+    #[must_use]
+    pub fn asking(&self) -> Asking {
+        Asking { tick: Some(self.tick.get()), clock: self.means.clock }
     }
 
     /// How far on towards the next tick, from 0 to below 1; 0 unless it was asked for by [`Snapshot::at`].

@@ -74,6 +74,7 @@ impl Tracks {
         if bullets.is_empty() {
             return Swept::default();
         }
+        let _asking = new.asking().now();
         let moving: Vec<Moving<'_>> = new
             .changed_since(old)
             .into_iter()

@@ -281,7 +281,7 @@ fn a_million_cells_store_no_triangle_and_build_nothing_before_they_are_asked() {
     let field = Geometry::height_field(&terrain).expect("a terrain");
     let bytes = 4 * (side * side) as u64;
     assert!(field.memory_bytes() < bytes + bytes / 16, "{} for {bytes} of heights", field.memory_bytes());
-    assert_eq!(inside_of(&field).built_bytes(), None);
+    assert_eq!(field.structures_built(), []);
     let larger = field.clone().scaled(2.0).expect("larger");
     assert_eq!(inside_of(&larger).heights().as_ptr(), inside_of(&field).heights().as_ptr(), "shared");
     let down = |x: f64, z: f64| Ray {
@@ -296,7 +296,7 @@ fn a_million_cells_store_no_triangle_and_build_nothing_before_they_are_asked() {
     let touch = raycast(&down(250.25, 250.5), at(&field, Pose::IDENTITY), &EXACT, &mut cost).certain.expect("a hit");
     assert_eq!(touch.feature.face, Some(250 * 1000 + 250));
     assert!(cost.nodes_visited < 60 && cost.pairs_tested < 40, "{cost:?}");
-    let built = inside_of(&field).built_bytes().expect("the pyramid");
+    let built = field.structures_built().first().expect("the pyramid").memory_bytes;
     assert!(built < bytes / 4, "{built}");
     assert!(raycast(&down(500.5, 500.5), at(&field, Pose::IDENTITY), &EXACT, &mut work()).certain.is_none(), "a hole");
 }

@@ -1,6 +1,9 @@
 //! A rung is built when a question first needs it, once, and no answer depends on what is built.
 
-use std::sync::{Arc, Barrier};
+use std::{
+    cell::Cell,
+    sync::{Arc, Barrier},
+};
 
 use collision::{
     DVec3,
@@ -9,7 +12,10 @@ use collision::{
     math::Pose,
     narrow,
     shape::Geometry,
-    world::{Distance, Edit, EditRule, Filter, Found, Meter, Neighbor, Overlap, Shape, ShapeId, Subject, Time, World},
+    world::{
+        Distance, Edit, EditRule, Filter, Found, Means, Meter, Moment, Neighbor, Overlap, Settings, Shape, ShapeId,
+        Snapshot, Subject, Tick, Time, World,
+    },
 };
 
 use crate::forms::{Body, Noise, bumpy, large_hull, pair};
@@ -34,10 +40,14 @@ fn ball(position: DVec3) -> Subject {
 }
 
 fn distances(world: &World, accuracy: &Accuracy) -> Found<Neighbor> {
+    distances_in(&world.newest(), accuracy)
+}
+
+fn distances_in(version: &Snapshot, accuracy: &Accuracy) -> Found<Neighbor> {
     let mut keep_going = || true;
     let question =
         Distance { subject: ball(DVec3::new(35.0, 15.0, 0.0)), against: None, max_distance: 1e3, max_hits: 10 };
-    let found = world.newest().distance(&question, &Filter::default(), accuracy, &mut Meter::new(&mut keep_going));
+    let found = version.distance(&question, &Filter::default(), accuracy, &mut Meter::new(&mut keep_going));
     found.expect("an answer")
 }
 
@@ -95,6 +105,60 @@ fn first_questions_at_once_build_once() {
         });
         assert!(found.iter().all(|&rungs| rungs == found[0]), "all have the same");
         assert_eq!(geometry.stand_ins_built().count(), 3);
+    }
+}
+
+#[test]
+fn what_is_built_says_at_which_tick_and_how_long_that_took() {
+    thread_local!(static READ: Cell<i64> = const { Cell::new(0) });
+    // Each look at the clock is a nanosecond later.
+    let clock = || {
+        READ.set(READ.get() + 1);
+        READ.get()
+    };
+    let (_, geometries) = world();
+    let shapes: Vec<Shape> = (1..)
+        .zip(&geometries)
+        .map(|(number, geometry)| {
+            let id = ShapeId::new(number).expect("not 0");
+            Shape::new(id, Arc::clone(geometry), Pose::at(DVec3::X * (10 * number) as f64))
+        })
+        .collect();
+    let (tick, settings) = (Tick::new(40).expect("not 0"), Settings { history_ticks: 8, ..Settings::default() });
+    let means = Means { clock: Some(clock), ..Means::default() };
+    let mut world = World::holding(shapes, tick, Time(0), settings, means);
+    let step = |world: &mut World, time| {
+        let id = ShapeId::new(1).expect("not 0");
+        let position = Some(DVec3::new(10.0, 0.0, time as f64 * 1e-3));
+        let moved =
+            Edit::Move { id, position, rotation: None, velocity: None, angular_velocity: None, teleport: false };
+        world.apply(vec![moved], Time(time), EditRule::AllOrNothing).expect("a tick");
+    };
+    step(&mut world, 1);
+    let named = |world: &World, name: &str| {
+        let built = world.newest().describe().built;
+        built
+            .into_iter()
+            .find(|built| built.name == name)
+            .map(|built| (built.build_ns, built.first_tick.map(Tick::get)))
+    };
+    let loose = Accuracy { max_error: 3.0, max_error_relative: 0.0, ..Accuracy::default() };
+    distances(&world, &loose);
+    assert_eq!(named(&world, "ball_and_box"), Some((Some(6), Some(41))), "six geometries, a nanosecond each");
+    assert_eq!(named(&world, "mesh_tree"), None);
+    step(&mut world, 2);
+    // A question to the past is of the past's tick.
+    let past = world.newest().at(Moment::Tick(Tick::new(41).expect("not 0"))).expect("it is held");
+    distances_in(&past, &Accuracy::of(Tier::Exact));
+    step(&mut world, 3);
+    distances(&world, &Accuracy::of(Tier::Exact));
+    assert_eq!(named(&world, "mesh_tree"), Some((Some(3), Some(41))));
+    assert_eq!(named(&world, "ball_and_box"), Some((Some(6), Some(41))), "nothing was built twice");
+    for geometry in &geometries {
+        assert!(geometry.stand_ins_built().all(|rung| rung.receipt().first_tick == Some(41)));
+        assert!(
+            geometry.structures_built().iter().all(|built| built.memory_bytes > 0 && built.receipt.build_ns.is_some())
+        );
     }
 }
 

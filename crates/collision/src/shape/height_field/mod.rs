@@ -20,7 +20,7 @@ mod pyramid;
 mod skin;
 mod standing;
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -28,6 +28,8 @@ use self::pyramid::Pyramid;
 pub(crate) use self::standing::Standing;
 use super::{
     Form, Geometry,
+    built::Structure,
+    lazy::Lazy,
     limits::{AXES, GeometryError, Limits, check_size, is_size, out_of_limits},
 };
 use crate::math::Aabb;
@@ -46,7 +48,7 @@ pub struct HeightField {
     open: Arc<[u64]>,
     floor: f64,
     bounds: Aabb,
-    pyramid: OnceLock<Pyramid>,
+    pyramid: Lazy<Pyramid>,
 }
 
 /// What a height field is made of, as sent.
@@ -111,13 +113,13 @@ impl HeightField {
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
         let lists = size_of_val(&*self.heights) + size_of_val(&*self.holes) + size_of_val(&*self.open);
-        (size_of::<Self>() + lists) as u64 + self.pyramid.get().map_or(0, Pyramid::memory_bytes)
+        (size_of::<Self>() + lists) as u64 + self.pyramid.built().map_or(0, Pyramid::memory_bytes)
     }
 
-    /// Bytes of what questions needed so far; `None` if none did.
-    #[must_use]
-    pub fn built_bytes(&self) -> Option<u64> {
-        self.pyramid.get().map(Pyramid::memory_bytes)
+    /// What questions made it build.
+    pub(super) fn structure(&self) -> Option<Structure> {
+        let bytes = self.pyramid.built().map_or(0, Pyramid::memory_bytes);
+        Structure::of("height_pyramid", bytes, [self.pyramid.receipt()])
     }
 
     /// Its box: exact.
@@ -133,7 +135,7 @@ impl HeightField {
             return Err(out_of_limits("scale".into(), scale, allowed));
         }
         let (heights, holes, open) = (self.heights.clone(), self.holes.clone(), self.open.clone());
-        Geometry::of_height_field(Self { spacing, heights, holes, open, pyramid: OnceLock::new(), ..*self }, "scale")
+        Geometry::of_height_field(Self { spacing, heights, holes, open, pyramid: Lazy::default(), ..*self }, "scale")
     }
 
     /// With floor and bounds that follow from the samples.
@@ -222,7 +224,7 @@ impl Geometry {
             open: open.into(),
             floor: 0.0,
             bounds: nowhere,
-            pyramid: OnceLock::new(),
+            pyramid: Lazy::default(),
         };
         Self::of_height_field(field, "heights")
     }

@@ -138,7 +138,7 @@ fn cells_of(field: &HeightField, block: Block) -> impl Iterator<Item = (usize, u
 
 impl HeightField {
     fn pyramid(&self) -> &Pyramid {
-        self.pyramid.get_or_init(|| Pyramid::new(self))
+        self.pyramid.get_or_build(|| Pyramid::new(self))
     }
 
     /// That of a cell.

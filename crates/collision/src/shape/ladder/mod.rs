@@ -30,7 +30,11 @@ use std::{
 
 use glam::DVec3;
 
-use super::{Convex, Core, Form, Geometry, Hull, simplify::Simplified};
+use super::{
+    Convex, Core, Form, Geometry, Hull,
+    lazy::{Receipt, receipted},
+    simplify::Simplified,
+};
 use crate::answer::Representation;
 
 /// Vertices of a simplified hull: few enough to look at all of them for a support, which costs half of what a large hull does.
@@ -44,6 +48,7 @@ pub struct StandIn {
     center: DVec3,
     outside: f64,
     inside: f64,
+    receipt: Receipt,
 }
 
 impl StandIn {
@@ -93,6 +98,12 @@ impl StandIn {
         }
     }
 
+    /// What building it took, and when it was first needed. Ball and box are built together: either says what both took.
+    #[must_use]
+    pub fn receipt(&self) -> Receipt {
+        self.receipt
+    }
+
     /// Bytes it holds in memory now.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
@@ -112,6 +123,13 @@ pub(super) struct Ladder {
 impl Ladder {
     pub(super) fn memory_bytes(&self) -> u64 {
         self.built().map(StandIn::memory_bytes).sum()
+    }
+
+    fn volumes(&self, geometry: &Geometry) -> &[StandIn; 2] {
+        self.volumes.get_or_init(|| {
+            let (volumes, receipt) = receipted(|| volumes::around(geometry));
+            Arc::new(volumes.map(|volume| StandIn { receipt, ..volume }))
+        })
     }
 
     fn built(&self) -> impl Iterator<Item = &StandIn> {
@@ -141,11 +159,14 @@ impl Geometry {
     pub fn stand_in(&self, representation: Representation) -> Option<&StandIn> {
         let ladder = self.ladder()?;
         match representation {
-            Representation::Ball => Some(&ladder.volumes.get_or_init(|| Arc::new(volumes::around(self)))[0]),
-            Representation::OrientedBox => Some(&ladder.volumes.get_or_init(|| Arc::new(volumes::around(self)))[1]),
+            Representation::Ball => Some(&ladder.volumes(self)[0]),
+            Representation::OrientedBox => Some(&ladder.volumes(self)[1]),
             Representation::SimplifiedHull => {
                 let points = self.hull_points()?;
-                Some(ladder.hull.get_or_init(|| Arc::new(self.simplified(points))))
+                Some(ladder.hull.get_or_init(|| {
+                    let (hull, receipt) = receipted(|| self.simplified(points));
+                    Arc::new(StandIn { receipt, ..hull })
+                }))
             }
             Representation::Decomposition | Representation::Exact => None,
         }
@@ -192,6 +213,7 @@ impl Geometry {
             center: DVec3::ZERO,
             outside,
             inside,
+            receipt: Receipt::default(),
         }
     }
 }

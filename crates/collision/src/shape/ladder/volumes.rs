@@ -11,7 +11,7 @@ use super::{StandIn, beyond, landmarks};
 use crate::{
     answer::Representation,
     math::Aabb,
-    shape::{Convex, Core, Form, Geometry, Hull, bounds::length_up},
+    shape::{Convex, Core, Form, Geometry, Hull, bounds::length_up, lazy::Receipt},
     tolerance::LENGTH_WIDENING,
 };
 
@@ -32,7 +32,10 @@ pub(super) fn around(geometry: &Geometry) -> [StandIn; 2] {
         _ => beyond::beyond_landmarks(&sides(&corners), &landmarks::of(geometry), geometry.reach()),
     };
     let ball_beyond_box = (radius - half_extents.min_element()).max(diagonal - radius) * LENGTH_WIDENING;
-    let stand_in = |representation, convex, inside| StandIn { representation, convex, center, outside: 0.0, inside };
+    let stand_in = |representation, convex, inside| {
+        let receipt = Receipt::default();
+        StandIn { representation, convex, center, outside: 0.0, inside, receipt }
+    };
     [
         stand_in(
             Representation::Ball,

@@ -77,6 +77,7 @@ impl Snapshot {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Result<Vec<Pair>, QuestionError> {
+        let _asking = self.asking().now();
         let mut judge = Judge::new(accuracy, meter);
         self.each_box_pair(filter, meter, |meter, a, b| judge.take(&a, &b, meter))?;
         Ok(judge.into_sorted())

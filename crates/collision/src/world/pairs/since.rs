@@ -95,6 +95,7 @@ impl Snapshot {
         is_wanted: impl Fn(ShapeId, ShapeId) -> bool,
         meter: &mut Meter<'_>,
     ) -> Result<Vec<Pair>, QuestionError> {
+        let _asking = self.asking().now();
         let is_asked = |id: ShapeId| ids.binary_search(&id).is_ok();
         let mut judge = Judge::new(accuracy, meter);
         if ids.len() * SHARE_ASKED_TOGETHER > self.len() {

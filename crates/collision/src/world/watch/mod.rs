@@ -149,6 +149,7 @@ impl Watcher {
     /// # Errors
     /// [`QuestionError::TooManyPairs`], [`QuestionError::Interrupted`], [`QuestionError::TooLong`].
     pub fn step(&mut self, new: &Arc<Snapshot>, meter: &mut Meter<'_>) -> Result<Changes, QuestionError> {
+        let _asking = new.asking().now();
         let old = self.seen.as_deref();
         let passage = old.map(|old| new.passage_from(old)).unwrap_or_default();
         let step = Step { old, new, passage };
