@@ -9,7 +9,7 @@ use collision::{
     answer::{Verdict, Work},
     math::Pose,
     narrow::{Faces, Motion, Placed, Ray, RayTouches, distance, impact, overlap, penetration, raycast},
-    shape::{Geometry, GeometryError, MeshMode, SolidFault},
+    shape::{Form, Geometry, GeometryError, MeshMode, SolidFault},
 };
 use meshes::{CUBE, Tally, box_corners, convex, pose, ray, solid_box};
 use whole::Numbers;
@@ -229,4 +229,91 @@ fn a_mode_is_part_of_the_content() {
     let inner = at(&halved, Pose::IDENTITY);
     let point = Geometry::point();
     assert_eq!(overlap(inner, at(&point, Pose::at(DVec3::splat(0.25))), &EXACT, &mut work()).verdict, Verdict::Hit);
+}
+
+/// A half space is a box that is large enough: in motion, turning or not, at the start, and in contact.
+#[test]
+fn a_half_space_meets_the_fronts_that_a_large_box_meets() {
+    let mut numbers = Numbers::new(149);
+    let half = 1e4;
+    let large = Geometry::cuboid(DVec3::splat(half)).expect("a box");
+    let space = Geometry::half_space(DVec3::Y, half).expect("a half space");
+    let mut tally = [Tally::default(), Tally::default()];
+    let (mut initial, mut touching) = (0, 0);
+    for round in 0..1_000 {
+        let (_, one_sided, fronts) = fronts(&mut numbers);
+        let Form::Mesh(mesh) = one_sided.form() else { panic!("a mesh") };
+        let here = {
+            let height = DVec3::Y * (1.8 + 1.5 * numbers.share());
+            let place = pose(&mut numbers, DVec3::ZERO, true);
+            Pose::new(height, place.rotation)
+        };
+        let floor = Pose::at(DVec3::Y * -half);
+        // Turns of the surface alone: a point of the box far out would go far.
+        let turn = if round % 3 == 0 { numbers.shares() } else { DVec3::ZERO };
+        let motion = Motion {
+            displacement_a: numbers.shares() - DVec3::Y * 0.5,
+            rotation_a: turn,
+            displacement_b: numbers.shares(),
+            ..Motion::default()
+        };
+        let ask = |other| impact(at(&one_sided, here), at(other, floor), &motion, &EXACT, &mut work());
+        let (found, known) = (ask(&space), ask(&large));
+        let context = || format!("round {round}: {found:?}\n{known:?}\n{here:?} {motion:?}");
+        // What the box undoes by its size, the plane knows.
+        assert_eq!(found.is_some(), known.is_some(), "{}", context());
+        tally[usize::from(motion.turns())].count(if found.is_some() { Verdict::Hit } else { Verdict::Miss });
+        if let (Some(found), Some(known)) = (&found, &known) {
+            assert_eq!(found.initial, known.initial, "{}", context());
+            assert!((found.fraction - known.fraction).abs() < 1e-7, "{}", context());
+            initial += u32::from(found.initial);
+        }
+        let contacts =
+            penetration(at(&one_sided, here), at(&space, floor), 0.0, &EXACT, &mut work()).expect("one mesh");
+        let told: Vec<u32> = contacts.iter().filter_map(|contact| contact.feature_a.face).collect();
+        let corners_of = |face: usize| mesh.corners(face).map(|corner| here.transform_point(corner));
+        let below = |face: &usize| {
+            corners_of(*face).into_iter().any(|corner| corner.y < 0.0) && (here.matrix() * fronts[*face]).y < 0.0
+        };
+        let expected: Vec<u32> = (0..12).filter(below).map(|face| face as u32).collect();
+        assert_eq!(told, expected, "{}", context());
+        touching += told.len();
+    }
+    assert!(tally.iter().all(Tally::is_balanced), "{tally:?}");
+    assert!(initial > 100 && touching > 300, "{initial} begin in it, {touching} contacts");
+}
+
+/// A surface with its fronts down stays on a floor, one with them up sinks through, and of a body the bottom is touched.
+#[test]
+fn a_sheet_falls_through_a_half_space_that_comes_to_its_back() {
+    let corners = [DVec3::new(-9.0, 0.0, -9.0), DVec3::new(9.0, 0.0, -9.0), DVec3::new(0.0, 0.0, 9.0)];
+    let floor = Geometry::half_space(DVec3::Y, 0.0).expect("a half space");
+    let fallen = |sheet: &Geometry, from: f64, turn: f64| {
+        let motion = Motion { displacement_a: DVec3::Y * -4.0, rotation_a: DVec3::Y * turn, ..Motion::default() };
+        impact(at(sheet, Pose::at(DVec3::Y * from)), at(&floor, Pose::IDENTITY), &motion, &EXACT, &mut work())
+    };
+    let sheet = |mode, triangle| Geometry::mesh_as(mode, &corners, &[triangle]).expect("a sheet");
+    for turn in [0.0, 1.0] {
+        for (mode, triangle, is_met) in [
+            (MeshMode::OneSided, [0, 1, 2], true),
+            (MeshMode::OneSided, [0, 2, 1], false),
+            (MeshMode::TwoSided, [0, 2, 1], true),
+        ] {
+            let touch = fallen(&sheet(mode, triangle), 1.0, turn);
+            assert_eq!(
+                touch.is_some_and(|touch| (touch.fraction - 0.25).abs() < 1e-9),
+                is_met,
+                "{mode:?} {triangle:?}"
+            );
+            let begun = fallen(&sheet(mode, triangle), -1.0, turn);
+            assert_eq!(begun.is_some_and(|touch| touch.initial), is_met, "{mode:?} {triangle:?}");
+        }
+        let body = solid_box(DVec3::splat(0.5));
+        let touch = fallen(&body, 1.0, turn).expect("it falls on its bottom");
+        assert!((touch.fraction - 0.125).abs() < 1e-9, "{touch:?}");
+    }
+    let body = solid_box(DVec3::splat(0.5));
+    let sunk = penetration(at(&body, Pose::at(DVec3::Y * -0.25)), at(&floor, Pose::IDENTITY), 0.0, &EXACT, &mut work());
+    let deepest = sunk.expect("one mesh").iter().map(|contact| contact.depth).fold(0.0, f64::max);
+    assert!((deepest - 0.75).abs() < 1e-12, "{deepest}");
 }

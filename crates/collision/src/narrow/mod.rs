@@ -260,7 +260,8 @@ pub fn depth(a: Placed<'_>, b: Placed<'_>, max_gap: f64, accuracy: &Accuracy, wo
 /// gap such a contact is left out, as a neighbour is nearer.
 ///
 /// Triangles of one-sided and solid meshes push to their front, and only forms whose middle is before them: the local origin, of
-/// a hull the mean of its farthest vertices along the axes.
+/// a hull the mean of its farthest vertices along the axes. That of a half space lies far in its matter: it is felt by the triangles
+/// whose front looks into it.
 ///
 /// # Errors
 /// [`NeedsDecomposition`] if both are meshes or compounds with such; if one is solid and the other has its middle in it (or may

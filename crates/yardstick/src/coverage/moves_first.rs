@@ -13,7 +13,7 @@ use collision::shape::MeshMode;
 use glam::DVec3;
 
 use super::{moves::MoveQuestion, whole::Whole};
-use crate::oracle::{Core, Place, Solid, Union, meeting};
+use crate::oracle::{Place, Solid, Union, meeting};
 
 /// What the oracle knows of all pieces.
 pub(super) struct First {
@@ -93,10 +93,7 @@ pub(super) fn first(question: &MoveQuestion, unions: &[Union; 2]) -> First {
             let (front, back) = met_at.entry(triangle).or_insert((f64::NEG_INFINITY, f64::INFINITY));
             if is_met == Some(false) { *back = back.min(met.free_until) } else { *front = front.max(met.free_until) }
         }
-        let is_space = |solid: &Solid| matches!(solid.core, Core::HalfSpace { .. });
         match (of_a, of_b) {
-            // A half space is felt by either side of a triangle.
-            _ if is_space(solid_a) || is_space(solid_b) => {}
             (Some(true), Some(true)) => {}
             (Some(false), _) | (_, Some(false)) if !met.touches_at_start => continue,
             _ => first.is_open = true,

@@ -1,6 +1,6 @@
 //! The contact of a form and a half space: its normal is the plane's, its depth the form's depth below the plane.
 
-use super::{Above, Body, Low, Signed};
+use super::{Above, Body, Low, Signed, sides::Felt};
 use crate::{
     answer::{Bound, Feature, Stop, Verdict, Work},
     narrow::{Contact, ContactPoint, Contacts, convex},
@@ -16,7 +16,9 @@ impl Above<'_> {
                 super::count(work);
                 self.contact(convex, &self.lowest(), max_gap).into_iter().collect()
             }
-            Body::Mesh(_) | Body::Field(_) => self.contacts_of_triangles(max_gap, work),
+            Body::Mesh(_) | Body::Field(_) => {
+                self.feeling(Felt::in_contact(self.body)).contacts_of_triangles(max_gap, work)
+            }
         }
     }
 
@@ -24,6 +26,9 @@ impl Above<'_> {
         let mut contacts = Contacts::new();
         self.body.each_triangle(|face, corners| {
             super::count(work);
+            if !self.feels(corners) {
+                return;
+            }
             let [a, b, c] = corners.map(|corner| self.normal.dot(corner));
             let point = corners[if a <= b && a <= c { 0 } else { 1 + usize::from(c < b) }];
             let feature = Feature { part: None, face: Some(face) };

@@ -11,6 +11,7 @@ use glam::DVec3;
 use super::{
     Above, Body, Low, Signed,
     plane::{Plane, Vector, difference},
+    sides::Felt,
 };
 use crate::{
     answer::{Bound, Feature, Stop, Verdict},
@@ -29,8 +30,14 @@ pub(super) struct Meeting {
 impl Above<'_> {
     /// The first touch as the form and the half space go these ways.
     pub(super) fn impact(&self, ways: [DVec3; 2], initial: InitialTouch) -> Option<ImpactTouch> {
-        let low = self.lowest();
-        let start = self.signed(self.body, &low);
+        match Felt::in_motion(self.body, initial) {
+            Felt::All => self.impact_of(&self.lowest(), ways, initial),
+            Felt::Fronts | Felt::FrontsAhead(_) => self.impact_of_fronts(ways, initial),
+        }
+    }
+
+    fn impact_of(&self, low: &Low, ways: [DVec3; 2], initial: InitialTouch) -> Option<ImpactTouch> {
+        let start = self.signed(self.body, low);
         if start.verdict != Verdict::Miss && initial == InitialTouch::IsIgnored {
             return match self.body {
                 // Convex pieces that leave a plane do not come back.
@@ -38,8 +45,24 @@ impl Above<'_> {
                 Body::Mesh(_) | Body::Field(_) => self.impact_of_clear_triangles(ways),
             };
         }
-        let at_end = || self.exact_sign(self.body, &low, ways);
-        Some(self.touch(&low, start, &meeting(start, closing(&self.plane, ways), at_end)?, ways))
+        let at_end = || self.exact_sign(self.body, low, ways);
+        Some(self.touch(low, start, &meeting(start, closing(&self.plane, ways), at_end)?, ways))
+    }
+
+    /// The first touch of those triangles that are felt from their front: at the start it does not matter where they go.
+    fn impact_of_fronts(&self, ways: [DVec3; 2], initial: InitialTouch) -> Option<ImpactTouch> {
+        let at_start = self.feeling(Felt::Fronts);
+        let low = at_start.lowest_of_triangles(|_| true)?;
+        let touches = at_start.signed(self.body, &low).verdict != Verdict::Miss;
+        if touches && initial != InitialTouch::IsIgnored {
+            return at_start.impact_of(&low, ways, initial);
+        }
+        let [way, way_of_space] = ways;
+        let ahead = self.feeling(Felt::FrontsAhead(self.pose.matrix().transpose() * (way_of_space - way)));
+        if touches {
+            return ahead.impact_of_clear_triangles(ways);
+        }
+        ahead.impact_of(&ahead.lowest_of_triangles(|_| true)?, ways, initial)
     }
 
     /// The first touch of those triangles that are clear of the half space at the start.

@@ -8,13 +8,16 @@
 //! is not turned ([`exact`]).
 //!
 //! # Limits
-//! Of meshes and height fields the height is that of the lowest corner, and only triangles have contacts. Two half spaces
+//! Of meshes and height fields the height is that of the lowest corner, and only triangles have contacts; of surfaces that are
+//! felt from one side only some, which `sides.rs` tells. Two half spaces
 //! always overlap unless their normals are exactly opposite, which is proved for equal rotations only ([`spaces`]).
 
 mod contact;
 mod exact;
 mod impact;
 mod plane;
+mod sides;
+mod signed;
 mod spaces;
 mod turning;
 
@@ -22,15 +25,15 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use self::turning::Ways;
 pub(super) use self::{
     exact::ExactPlane,
     plane::{Height, Plane, difference, unit},
 };
+use self::{sides::Felt, signed::Signed, turning::Ways};
 use super::{Contact, Contacts, Depth, ImpactTouch, Motion, Placed, Separation, convex, place::Place};
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Feature, Method, Model, Stop, Verdict, Work},
+    answer::{Certificate, Feature, Stop, Verdict, Work},
     math::{Pose, twofold::Twofold},
     shape::{Convex, Form, HalfSpace, HeightField, Mesh},
     tolerance::{LOWEST_POINT, ROUNDING, TURNED_LOWEST_POINT},
@@ -192,6 +195,7 @@ impl Body<'_> {
 }
 
 /// A form and the plane of a half space, which is called `b` in answers.
+#[derive(Clone, Copy)]
 pub(super) struct Above<'a> {
     body: Body<'a>,
     pose: Pose,
@@ -210,6 +214,8 @@ pub(super) struct Above<'a> {
     blur: f64,
     /// From what the form turns about to its local origin, in the axes of the world.
     arm: DVec3,
+    /// Which of its triangles count.
+    felt: Felt,
 }
 
 /// The lowest point of a form.
@@ -219,15 +225,6 @@ struct Low {
     /// Around it.
     radius: f64,
     feature: Feature,
-}
-
-/// Bounds of a signed height, metres, and what is proved: exact touch counts as a hit.
-#[derive(Clone, Copy)]
-struct Signed {
-    lower: f64,
-    best: f64,
-    upper: f64,
-    verdict: Verdict,
 }
 
 impl<'a> Above<'a> {
@@ -253,7 +250,20 @@ impl<'a> Above<'a> {
         } else {
             (pose.matrix().transpose() * plane.normal, TURNED_LOWEST_POINT * reach)
         };
-        Self { body, pose, half_space, space_pose, plane, normal, origin, error: error + blur, reach, blur, arm }
+        Self {
+            body,
+            pose,
+            half_space,
+            space_pose,
+            plane,
+            normal,
+            origin,
+            error: error + blur,
+            reach,
+            blur,
+            arm,
+            felt: Felt::All,
+        }
     }
 
     fn lowest(&self) -> Low {
@@ -270,13 +280,13 @@ impl<'a> Above<'a> {
         }
     }
 
-    /// The lowest corner of those triangles that `counts` accepts, by their corners; of equals that of the first.
+    /// The lowest corner of those triangles that count and that `counts` accepts, by their corners; of equals that of the first.
     fn lowest_of_triangles(&self, counts: impl Fn([DVec3; 3]) -> bool) -> Option<Low> {
         let mut best: Option<(f64, DVec3, u32)> = None;
         self.body.each_triangle(|face, corners| {
             for corner in corners {
                 let height = self.normal.dot(corner);
-                if best.is_none_or(|(least, ..)| height < least) && counts(corners) {
+                if best.is_none_or(|(least, ..)| height < least) && self.feels(corners) && counts(corners) {
                     best = Some((height, corner, face));
                 }
             }
@@ -320,10 +330,16 @@ impl<'a> Above<'a> {
                 (!is_turned || is_at_origin).then_some(corners)?
             }
             Body::Mesh(_) | Body::Field(_) if is_turned => return None,
-            Body::Mesh(mesh) => mesh.vertices().iter().copied().filter(|&vertex| near(vertex)).collect(),
-            Body::Field(_) => {
+            Body::Mesh(mesh) if self.felt == Felt::All => {
+                mesh.vertices().iter().copied().filter(|&vertex| near(vertex)).collect()
+            }
+            Body::Mesh(_) | Body::Field(_) => {
                 let mut corners = Vec::new();
-                body.each_triangle(|_, triangle| corners.extend(triangle.into_iter().filter(|&corner| near(corner))));
+                body.each_triangle(|_, triangle| {
+                    if triangle.into_iter().any(near) && self.feels(triangle) {
+                        corners.extend(triangle.into_iter().filter(|&corner| near(corner)));
+                    }
+                });
                 corners
             }
         };
@@ -356,35 +372,5 @@ impl<'a> Above<'a> {
     /// The surface point below a point of the core, in the world.
     fn point_out(&self, local: DVec3, radius: f64) -> DVec3 {
         self.pose.transform_point(local) - self.plane.normal * radius + DVec3::ZERO
-    }
-}
-
-impl Signed {
-    fn new(lower: f64, best: f64, upper: f64) -> Self {
-        // Errors are parts of what they belong to, but below the normal numbers.
-        let (lower, upper) = (lower - f64::MIN_POSITIVE, upper + f64::MIN_POSITIVE);
-        Self { lower, best, upper, verdict: Bound::new(lower, upper).touch_verdict() }
-    }
-
-    /// With what the exact sign proves.
-    fn with_sign(self, sign: Option<Ordering>) -> Self {
-        let (lower, upper, verdict) = match sign {
-            None => return self,
-            Some(Ordering::Less) => (self.lower, 0.0, Verdict::Hit),
-            Some(Ordering::Equal) => (0.0, 0.0, Verdict::Hit),
-            Some(Ordering::Greater) => (self.lower.max(0.0), self.upper, Verdict::Miss),
-        };
-        Self { lower, best: self.best.clamp(lower, upper), upper, verdict }
-    }
-
-    fn certificate(self, verdict: Verdict, stop: Stop) -> Certificate {
-        Certificate {
-            verdict,
-            bound: Bound::new(self.lower + 0.0, self.upper + 0.0),
-            model: Model::EXACT,
-            method: Method::ClosedForm,
-            stop,
-            iterations: 1,
-        }
     }
 }

@@ -17,6 +17,7 @@ use crate::{
 pub(in crate::narrow) type Vector = [Twofold; 3];
 
 /// A half space in the world.
+#[derive(Clone, Copy)]
 pub(in crate::narrow) struct Plane {
     /// Outward unit normal, world axes, each component the nearest f64.
     pub(in crate::narrow) normal: DVec3,

@@ -8,12 +8,13 @@
 //! above the parabola of that, as in `convex/motion.rs`.
 //!
 //! # Limits
-//! A start that is ignored is ignored triangle by triangle, each of which is searched by itself. Two half spaces
+//! A start that is ignored is ignored triangle by triangle, each of which is searched by itself; so are those of surfaces that are
+//! felt from one side, unless nothing at all is touched. Two half spaces
 //! of which one turns touch as soon as they are not parallel: what is not proved to touch at the start stays open.
 
 use glam::DVec3;
 
-use super::{Above, Body, Low};
+use super::{Above, Body, Low, sides::Felt};
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Certificate, Feature, Method, Model, Verdict, Work},
@@ -54,17 +55,23 @@ struct Search<'a> {
 impl Above<'_> {
     /// The first touch in a motion of which at least one side turns.
     pub(super) fn turning_impact(&self, ways: Ways, accuracy: &Accuracy, work: &mut Work) -> Option<ImpactTouch> {
-        match self.body {
-            Body::Mesh(_) | Body::Field(_) if ways.initial == InitialTouch::IsIgnored => {
-                let mut first = First::default();
-                self.body.each_triangle(|_, corners| {
-                    let piece = Convex { core: Core::Triangle(corners), radius: 0.0 };
-                    first.offer(Search::new(self, Body::Convex(&piece), ways, accuracy).touch(accuracy, work));
-                });
-                first.merged()
+        let felt = Felt::in_motion(self.body, ways.initial);
+        let is_ignored = ways.initial == InitialTouch::IsIgnored && !matches!(self.body, Body::Convex(_));
+        if !is_ignored {
+            let touch = Search::new(self, self.body, ways, accuracy).touch(accuracy, work)?;
+            if felt == Felt::All {
+                return Some(touch);
             }
-            body => Search::new(self, body, ways, accuracy).touch(accuracy, work),
         }
+        // Each triangle by itself: which touch is ignored, or felt, is another question for each.
+        let mut first = First::default();
+        self.body.each_triangle(|_, corners| {
+            let piece = Convex { core: Core::Triangle(corners), radius: 0.0 };
+            let mut search = Search::new(self, Body::Convex(&piece), ways, accuracy);
+            let touch = search.touch(accuracy, work);
+            first.offer(touch.filter(|touch| search.at(touch.fraction).feeling(felt).feels(corners)));
+        });
+        first.merged()
     }
 }
 
