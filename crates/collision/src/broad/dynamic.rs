@@ -215,7 +215,8 @@ impl DynamicTree {
     fn put_in_what_waits(&mut self) {
         let waiting = std::mem::take(&mut self.waiting);
         let is_first = self.forest.cells.iter().all(|cell| cell.leaf_count == 0) && self.forest.large.is_empty();
-        let arriving = if is_first { self.forest.distribute(&waiting) } else { self.forest.assign(&waiting) };
+        let boxes = waiting.iter().copied();
+        let arriving = if is_first { self.forest.distribute(boxes) } else { self.forest.assign(boxes) };
         for (at, large) in (0..).zip(&self.forest.large) {
             self.places[large.leaf as usize] = Place::Large(at);
         }

@@ -143,8 +143,9 @@ impl<N> Forest<N> {
 
     /// Gives every box a home, in a forest that is empty: the enormous ones in its list, the others in cells, whose items are
     /// returned. If one cell is enough, its origin is the middle of all.
-    pub(super) fn distribute(&mut self, boxes: &[Large]) -> Vec<Vec<Item>> {
-        let centers = boxes.iter().filter(|large| !is_large(large.bounds)).map(|large| large.bounds.center());
+    /// The boxes are gone through twice, rather than kept: of a large mesh they are more than its tree.
+    pub(super) fn distribute(&mut self, boxes: impl ExactSizeIterator<Item = Large> + Clone) -> Vec<Vec<Item>> {
+        let centers = boxes.clone().filter(|large| !is_large(large.bounds)).map(|large| large.bounds.center());
         let centers = centers.map(|center| Aabb::new(center, center)).reduce(Aabb::union);
         self.cells.clear();
         self.cells.extend(centers.map(|centers| Cell { leaf_count: 1, ..Cell::new(centers.center()) }));
@@ -156,17 +157,18 @@ impl<N> Forest<N> {
     }
 
     /// Gives every box a home and returns the items of each cell.
-    pub(super) fn assign(&mut self, boxes: &[Large]) -> Vec<Vec<Item>> {
+    pub(super) fn assign(&mut self, boxes: impl ExactSizeIterator<Item = Large>) -> Vec<Vec<Item>> {
         let mut items: Vec<Vec<Item>> = Vec::new();
-        for (at, large) in boxes.iter().enumerate() {
+        let count = boxes.len();
+        for (at, large) in boxes.enumerate() {
             match self.settle_in(large.bounds) {
-                Home::Large => self.large.push(*large),
+                Home::Large => self.large.push(large),
                 Home::Cell(cell) => {
-                    let (cell, Large { leaf, bounds, layers }) = (cell as usize, *large);
+                    let (cell, Large { leaf, bounds, layers }) = (cell as usize, large);
                     if items.len() <= cell {
                         items.resize_with(cell + 1, Vec::new);
                         // Mostly all that is left goes into one cell.
-                        items[cell].reserve(boxes.len() - at);
+                        items[cell].reserve(count - at);
                     }
                     let bounds = LocalBox::around(bounds, self.cells[cell].origin);
                     items[cell].push(Item { bounds, leaf, layers });

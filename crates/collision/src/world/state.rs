@@ -51,7 +51,7 @@ impl Fixed {
         let entries = shapes.iter().filter(|(_, entry)| entry.is_static());
         let (slots, boxes): (Vec<Slot>, Vec<(Aabb, u32)>) =
             entries.map(|(slot, entry)| (slot, (entry.bounds, entry.shape.layers))).unzip();
-        Self { tree: StaticTree::build_on_layers(boxes.into_iter()), slots }
+        Self { tree: StaticTree::build_on_layers(boxes.iter().copied()), slots }
     }
 
     /// The slot of a leaf.
