@@ -129,7 +129,9 @@ impl Building {
 
 /// How far a decomposition is, from 0 to less than 1.
 pub(crate) fn share_done(progress: &Progress) -> f32 {
-    progress.done_count as f32 / (progress.part_count.max(1) as f32 + 1.0)
+    let by_parts = progress.done_count as f32 / (progress.part_count.max(1) as f32 + 1.0);
+    let by_steps = progress.steps as f32 / (progress.max_steps as f32 + 1.0);
+    by_parts.max(by_steps.min(1.0 - f32::EPSILON))
 }
 
 /// Where meshes are cut.

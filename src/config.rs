@@ -10,6 +10,7 @@ use std::{
 };
 
 use clap::{Args, ValueEnum};
+use collision::shape::PartsAsked;
 use serde::Deserialize;
 
 /// The shortest and the longest lease of a session.
@@ -35,6 +36,9 @@ pub struct Settings {
     pub session_memory_bytes: u64,
     /// Shapes that one session may hold. Default 1,000,000.
     pub session_shapes: usize,
+    /// Steps that cutting one mesh into convex parts may take where a request asks for them, some 100 ns each; at least 1. One worker
+    /// cuts for all sessions, so this is how long others may have to wait. Parts that questions need always may take 2³². Default 2³².
+    pub decompose_steps: u64,
     /// Unary calls that are worked on at a time, of all clients together; more wait shortly and are then refused.
     /// Default 512.
     pub max_in_flight: usize,
@@ -93,6 +97,7 @@ impl Default for Settings {
             default_lease: Duration::from_secs(3600),
             session_memory_bytes: 4 << 30,
             session_shapes: 1_000_000,
+            decompose_steps: PartsAsked::STEPS_USUAL,
             max_in_flight: 512,
             log_format: LogFormat::default(),
             log_filter: "info".to_owned(),
@@ -140,6 +145,9 @@ pub struct Layer {
     /// Shapes that one session may hold [default: 1000000]
     #[arg(long, env = "CALIPERS_SESSION_SHAPES", value_name = "COUNT")]
     pub session_shapes: Option<usize>,
+    /// Steps that cutting one mesh into convex parts may take, some 100 ns each [default: 4294967296]
+    #[arg(long, env = "CALIPERS_DECOMPOSE_STEPS", value_name = "COUNT")]
+    pub decompose_steps: Option<u64>,
     /// Unary calls that are worked on at a time, of all clients together [default: 512]
     #[arg(long, env = "CALIPERS_MAX_IN_FLIGHT", value_name = "COUNT")]
     pub max_in_flight: Option<usize>,
@@ -221,6 +229,9 @@ impl Settings {
                 return Err(out_of_range(setting, found, "at least 1"));
             }
         }
+        if self.decompose_steps == 0 {
+            return Err(out_of_range("decompose_steps", 0, "at least 1"));
+        }
         let (shortest, longest) = LEASE_RANGE;
         if self.default_lease < shortest || self.default_lease > longest {
             let found = self.default_lease.as_secs();
@@ -259,6 +270,7 @@ impl Settings {
         replace(&mut self.default_lease, layer.default_lease_s.map(Duration::from_secs));
         replace(&mut self.session_memory_bytes, layer.session_memory_bytes);
         replace(&mut self.session_shapes, layer.session_shapes);
+        replace(&mut self.decompose_steps, layer.decompose_steps);
         replace(&mut self.max_in_flight, layer.max_in_flight);
         replace(&mut self.log_format, layer.log_format);
         replace(&mut self.log_filter, layer.log_filter);

@@ -26,8 +26,21 @@ const PAGE: usize = 4096;
 #[derive(Debug)]
 pub(crate) struct Geometries {
     held: Mutex<Held>,
-    /// Memory that geometries and shapes may take, bytes.
-    quota_bytes: u64,
+    quotas: Quotas,
+}
+
+/// What geometries may take.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Quotas {
+    /// Memory of geometries and shapes, bytes.
+    pub(crate) bytes: u64,
+    /// Steps that the convex parts of one mesh may take.
+    pub(crate) decompose_steps: u64,
+}
+
+impl Quotas {
+    /// Whatever they take.
+    pub(crate) const NONE: Self = Self { bytes: u64::MAX, decompose_steps: u64::MAX };
 }
 
 #[derive(Debug, Default)]
@@ -127,9 +140,14 @@ impl Drop for Room<'_> {
 }
 
 impl Geometries {
-    /// None yet; all of them and the shapes together may take `quota_bytes`.
-    pub(crate) fn new(quota_bytes: u64) -> Self {
-        Self { held: Mutex::default(), quota_bytes }
+    /// None yet.
+    pub(crate) fn new(quotas: Quotas) -> Self {
+        Self { held: Mutex::default(), quotas }
+    }
+
+    /// Steps that the convex parts of one mesh may take.
+    pub(crate) fn decompose_steps(&self) -> u64 {
+        self.quotas.decompose_steps
     }
 
     /// The same geometries for a copy of the world, which may forget them and register others.
@@ -144,12 +162,12 @@ impl Geometries {
             // What is in work is begun anew by the caller.
             building: BTreeMap::new(),
         };
-        Self { held: Mutex::new(held), quota_bytes: self.quota_bytes }
+        Self { held: Mutex::new(held), quotas: self.quotas }
     }
 
     /// A place for geometries that come with a world, of which it is not sure yet that all come; with the same quota.
     pub(crate) fn staging(&self) -> Self {
-        Self::new(self.quota_bytes)
+        Self::new(self.quotas)
     }
 
     /// Takes in those that came with a world of so many shapes, all or none.
@@ -160,7 +178,7 @@ impl Geometries {
         let mut staged = staged.held.into_inner();
         let bytes = staged.count_bytes();
         let mut held = self.held.lock();
-        held.check_quota(bytes + shape_bytes(shape_count), self.quota_bytes)?;
+        held.check_quota(bytes + shape_bytes(shape_count), self.quotas.bytes)?;
         held.counted_bytes += bytes;
         held.registered.extend(staged.registered);
         held.in_place.extend(staged.in_place);
@@ -179,7 +197,7 @@ impl Geometries {
         }
         let geometry = held.find(id).unwrap_or_else(|| Arc::new(geometry));
         let bytes = geometry.memory_bytes();
-        held.check_quota(bytes + shape_bytes(world.len()), self.quota_bytes)?;
+        held.check_quota(bytes + shape_bytes(world.len()), self.quotas.bytes)?;
         held.counted_bytes += bytes;
         held.registered.insert(id, geometry.clone());
         Ok(geometry)
@@ -201,7 +219,7 @@ impl Geometries {
             }
             held.drop_building(building.id);
         }
-        held.check_quota(building.mesh.memory_bytes() + shape_bytes(world.len()), self.quota_bytes)?;
+        held.check_quota(building.mesh.memory_bytes() + shape_bytes(world.len()), self.quotas.bytes)?;
         held.promised_bytes += building.promised_bytes();
         held.building.insert(building.id, building.clone());
         Ok(Known::InWork(building.clone()))
@@ -215,7 +233,7 @@ impl Geometries {
         }
         let registered = made.and_then(|geometry| {
             let more = geometry.memory_bytes().saturating_sub(building.promised_bytes());
-            held.check_quota(more + shape_bytes(world.len()), self.quota_bytes)?;
+            held.check_quota(more + shape_bytes(world.len()), self.quotas.bytes)?;
             Ok(geometry)
         });
         match registered {
@@ -247,7 +265,7 @@ impl Geometries {
     /// The memory quota.
     pub(crate) fn hold_room(&self, bytes: u64, world: &Snapshot) -> Checked<Room<'_>> {
         let mut held = self.held.lock();
-        held.check_quota(bytes + shape_bytes(world.len()), self.quota_bytes)?;
+        held.check_quota(bytes + shape_bytes(world.len()), self.quotas.bytes)?;
         held.promised_bytes += bytes;
         Ok(Room { geometries: self, bytes })
     }
@@ -322,7 +340,7 @@ impl Geometries {
     /// The memory quota.
     pub(crate) fn check_room(&self, shape_count: usize) -> Checked<()> {
         let mut held = self.held.lock();
-        held.check_quota(shape_bytes(shape_count), self.quota_bytes)
+        held.check_quota(shape_bytes(shape_count), self.quotas.bytes)
     }
 }
 

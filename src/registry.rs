@@ -13,7 +13,7 @@ use tokio::sync::Semaphore;
 
 use crate::{
     config::Settings,
-    geometries::Geometries,
+    geometries::{Geometries, Quotas},
     problem::{Checked, Problem, Reason, quoted},
     retry::{RetryCache, RetryKey},
     session::{Access, Session},
@@ -251,9 +251,10 @@ impl Registry {
     /// An empty world, and no geometries.
     fn empty(&self, settings: WorldSettings) -> Checked<(Writer, Geometries)> {
         let bytes = self.settings.session_memory_bytes;
+        let quotas = Quotas { bytes, decompose_steps: self.settings.decompose_steps };
         let (history_bytes, past_bytes) = (bytes / HISTORY_SHARE, bytes / HISTORY_SHARE);
         let means = Means { history_bytes, past_bytes, clock: Some(nanoseconds) };
-        Ok((Writer::new(settings, means)?, Geometries::new(bytes)))
+        Ok((Writer::new(settings, means)?, Geometries::new(quotas)))
     }
 
     fn session(

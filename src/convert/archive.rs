@@ -260,7 +260,7 @@ impl Arriving {
                 let hull = made("hull", Geometry::hull(&points(&values)?));
                 hull.and_then(|hull| dressed(hull, &form)).map(ToRegister::Whole)
             }
-            Some(Kind::Mesh(sent)) => mesh(mode_of(sent).under("mesh")?, &points(&values)?, &indices, sent),
+            Some(Kind::Mesh(sent)) => mesh(mode_of(sent).under("mesh")?, &points(&values)?, &indices, sent, known),
             Some(Kind::HeightField(field)) => {
                 field.heights = values.iter().map(|&value| value as f32).collect();
                 field.holes = indices;
@@ -272,14 +272,20 @@ impl Arriving {
     }
 }
 
-fn mesh(mode: MeshMode, points: &[DVec3], indices: &[u32], sent: &pb::TriangleMesh) -> Checked<ToRegister> {
+fn mesh(
+    mode: MeshMode,
+    points: &[DVec3],
+    indices: &[u32],
+    sent: &pb::TriangleMesh,
+    known: &Geometries,
+) -> Checked<ToRegister> {
     let (triangles, rest) = indices.as_chunks::<3>();
     if !rest.is_empty() {
         let what = format!("has {} numbers: it must have three for each triangle, such as 0, 1, 2", indices.len());
         return Err(Problem::at("mesh.indices", Reason::ColumnLength, what));
     }
     let mesh = made("mesh", Geometry::mesh_as(mode, points, triangles))?;
-    ToRegister::of_mesh(mesh, sent)
+    ToRegister::of_mesh(mesh, sent, known)
 }
 
 fn points(values: &[f64]) -> Checked<Vec<DVec3>> {

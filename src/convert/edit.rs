@@ -205,6 +205,7 @@ fn each_id(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometries::Quotas;
 
     fn moves(ids: &[u64], positions: &[f32]) -> pb::Edit {
         pb::Edit {
@@ -218,7 +219,7 @@ mod tests {
 
     #[test]
     fn a_wrong_item_is_left_out_and_named_and_the_others_stay() {
-        let known = Geometries::new(u64::MAX);
+        let known = Geometries::new(Quotas::NONE);
         let edits = [pb::Edit::default(), moves(&[1, 0, 3], &[0.0; 9])];
         let expanded = expand(&edits, &known).unwrap();
         assert_eq!(expanded.edits.len(), 2);
@@ -230,7 +231,7 @@ mod tests {
 
     #[test]
     fn a_wrong_column_leaves_out_the_whole_edit() {
-        let known = Geometries::new(u64::MAX);
+        let known = Geometries::new(Quotas::NONE);
         let expanded = expand(&[moves(&[1, 2, 3], &[0.0; 8])], &known).unwrap();
         assert!(expanded.edits.is_empty());
         let problem = expanded.problems[0].clone().into_wire();
@@ -239,7 +240,7 @@ mod tests {
 
     #[test]
     fn more_than_65536_items_are_refused_whole() {
-        let known = Geometries::new(u64::MAX);
+        let known = Geometries::new(Quotas::NONE);
         let many = moves(&vec![1; ITEMS], &[0.0; 3]);
         assert_eq!(expand(std::slice::from_ref(&many), &known).unwrap().edits.len(), ITEMS);
         let problem = expand(&[many, moves(&[1], &[])], &known).unwrap_err().into_wire();

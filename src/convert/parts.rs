@@ -3,7 +3,7 @@
 use collision::{
     answer::{Bound, Stop},
     decompose::Options,
-    shape::{Geometry, MeshParts},
+    shape::{Geometry, MeshParts, PartsAsked},
 };
 use wire::v1::{self as pb, geometry::Kind};
 
@@ -39,7 +39,7 @@ pub(crate) enum ToRegister {
 pub(crate) fn to_register(sent: &pb::Geometry, known: &Geometries) -> Checked<ToRegister> {
     let Some(Kind::Mesh(mesh)) = &sent.kind else { return registrable(sent, known).map(ToRegister::Whole) };
     let Some(asked) = &mesh.decompose else { return registrable(sent, known).map(ToRegister::Whole) };
-    let options = options(asked).under("mesh.decompose")?;
+    let options = options(asked, known).under("mesh.decompose")?;
     let mut bare = sent.clone();
     if let Some(Kind::Mesh(mesh)) = &mut bare.kind {
         mesh.decompose = None;
@@ -52,15 +52,15 @@ impl ToRegister {
     ///
     /// # Errors
     /// What is wrong with what is asked of its parts.
-    pub(super) fn of_mesh(mesh: Geometry, sent: &pb::TriangleMesh) -> Checked<Self> {
+    pub(super) fn of_mesh(mesh: Geometry, sent: &pb::TriangleMesh, known: &Geometries) -> Checked<Self> {
         match &sent.decompose {
             None => Ok(Self::Whole(mesh)),
-            Some(asked) => Ok(Self::ToCut(mesh, options(asked).under("mesh.decompose")?)),
+            Some(asked) => Ok(Self::ToCut(mesh, options(asked, known).under("mesh.decompose")?)),
         }
     }
 }
 
-fn options(asked: &pb::Decompose) -> Checked<Options> {
+fn options(asked: &pb::Decompose, known: &Geometries) -> Checked<Options> {
     let max_parts = count("max_parts", asked.max_parts, PARTS_USUAL as usize, PARTS_MAX as usize)?;
     let max_error = asked.max_error;
     if !max_error.is_finite() {
@@ -70,12 +70,29 @@ fn options(asked: &pb::Decompose) -> Checked<Options> {
         let what = format!("is {max_error}: it must be at least 0 metres; 0 means 1 % of the diagonal");
         return Err(Problem::at("max_error", Reason::OutOfLimits, what));
     }
-    Ok(Options { max_parts: u32::try_from(max_parts).unwrap_or(PARTS_MAX), max_error, ..Options::default() })
+    let budget = steps(asked.max_steps, known.decompose_steps())?;
+    Ok(Options { max_parts: u32::try_from(max_parts).unwrap_or(PARTS_MAX), max_error, budget })
+}
+
+/// Steps that are asked of `most` that the server allows.
+fn steps(asked: u64, most: u64) -> Checked<u64> {
+    match asked {
+        0 => Ok(Options::BUDGET_USUAL.min(most)),
+        1.. if asked <= most => Ok(asked),
+        1.. => {
+            let what = format!(
+                "is {asked}: this server allows at most {most} steps, so ask for as many or fewer parts, or have decompose_steps raised"
+            );
+            let problem = Problem::at("max_steps", Reason::QuotaExceeded, what);
+            Err(problem.with("quota", "decompose_steps").with("limit", most))
+        }
+    }
 }
 
 /// What was asked of parts.
 pub(crate) fn asked_out(parts: &MeshParts) -> pb::Decompose {
-    pb::Decompose { max_parts: parts.asked.max_parts, max_error: parts.asked.max_error }
+    let PartsAsked { max_parts, max_error, max_steps } = parts.asked;
+    pb::Decompose { max_parts, max_error, max_steps }
 }
 
 /// What parts are worth.
@@ -97,6 +114,7 @@ pub(crate) fn result_out(parts: &MeshParts) -> Checked<pb::DecomposeResult> {
         .into(),
         build_time: build_time_out(parts.receipt.build_ns),
         first_tick: parts.receipt.first_tick.unwrap_or(0),
+        steps: parts.steps,
     })
 }
 

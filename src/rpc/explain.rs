@@ -28,7 +28,7 @@ use crate::{
         archive::{self, Intake, named_by_id},
         shape,
     },
-    geometries::Geometries,
+    geometries::{Geometries, Quotas},
     problem::{Checked, Problem, Reason, Under},
     session::{Access, Session},
     token::Role,
@@ -181,7 +181,7 @@ pub(crate) fn ask_again(kept: &pb::Replay) -> Checked<pb::Answer> {
     let Some(tick) = Tick::new(kept.tick) else {
         return Err(Problem::at("tick", Reason::OutOfLimits, "is 0: ticks begin at 1"));
     };
-    let geometries = Geometries::new(u64::MAX);
+    let geometries = Geometries::new(Quotas::NONE);
     let cut = |building: &Building| building.cut(&CancellationToken::new());
     let mut intake = Intake::default();
     for (index, piece) in kept.geometries.iter().enumerate() {

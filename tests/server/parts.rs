@@ -7,7 +7,7 @@ use tonic::{Code, Status};
 use tonic_types::StatusExt;
 use wire::v1::{self as pb, geometry::Kind, geometry_piece::Piece};
 
-use crate::harness::{Bench, assert_refused, at, geometry, insert, shape, subject, with_token};
+use crate::harness::{Bench, assert_refused, at, geometry, insert, settings, shape, subject, with_token};
 
 /// An L of two boxes, closed, whose outline lies in x and y and goes 1 m along z.
 fn l_shape() -> pb::TriangleMesh {
@@ -36,7 +36,7 @@ fn spikes() -> pb::TriangleMesh {
 }
 
 fn cut(mesh: pb::TriangleMesh, max_parts: u32) -> pb::Geometry {
-    let decompose = Some(pb::Decompose { max_parts, max_error: 0.0 });
+    let decompose = Some(pb::Decompose { max_parts, max_error: 0.0, max_steps: 0 });
     geometry(Kind::Mesh(pb::TriangleMesh { decompose, ..mesh }))
 }
 
@@ -223,13 +223,13 @@ async fn in_place_no_parts_are_asked() {
         session: String::new(),
         geometry: Some(geometry(Kind::Mesh(pb::TriangleMesh { decompose: Some(decompose), ..l_shape() }))),
     };
-    let many = request(pb::Decompose { max_parts: 1025, max_error: 0.0 });
+    let many = request(pb::Decompose { max_parts: 1025, max_error: 0.0, max_steps: 0 });
     let refused = bench.geometries.create_geometry(many).await.expect_err("too many");
     assert!(refused.message().contains("max_parts") && refused.code() == Code::InvalidArgument, "{refused}");
-    let below = request(pb::Decompose { max_parts: 0, max_error: -1.0 });
+    let below = request(pb::Decompose { max_parts: 0, max_error: -1.0, max_steps: 0 });
     let refused = bench.geometries.create_geometry(below).await.expect_err("below 0");
     assert_refused(&refused, Code::InvalidArgument, "OUT_OF_LIMITS", "geometry.mesh.decompose.max_error", &["is -1"]);
-    let nan = request(pb::Decompose { max_parts: 0, max_error: f64::NAN });
+    let nan = request(pb::Decompose { max_parts: 0, max_error: f64::NAN, max_steps: 0 });
     let refused = bench.geometries.create_geometry(nan).await.expect_err("no number");
     assert_refused(&refused, Code::InvalidArgument, "NOT_FINITE", "geometry.mesh.decompose.max_error", &[]);
 }
@@ -268,4 +268,53 @@ async fn a_session_that_ends_frees_the_worker() {
     bench.sessions.delete_session(with_token(&token, request)).await.expect("it ends");
     let ready = get(&mut bench, &next.geometry_id, true).await.expect("its turn comes");
     assert_eq!(ready.state(), pb::GeometryState::Ready);
+}
+
+/// The L with so many steps to cut it.
+fn cut_within(max_steps: u64) -> pb::Geometry {
+    let decompose = Some(pb::Decompose { max_parts: 0, max_error: 0.0, max_steps });
+    geometry(Kind::Mesh(pb::TriangleMesh { decompose, ..l_shape() }))
+}
+
+async fn parts_within(bench: &mut Bench, max_steps: u64) -> (String, pb::DecomposeResult) {
+    let id = create(bench, "", cut_within(max_steps)).await.geometry_id;
+    let ready = get(bench, &id, true).await.expect("it becomes ready");
+    assert_eq!(ready.state(), pb::GeometryState::Ready, "{ready:?}");
+    let result = ready.decomposition.expect("it was asked");
+    (id, pb::DecomposeResult { build_time: None, first_tick: 0, ..result })
+}
+
+#[tokio::test]
+async fn steps_end_the_work_with_what_is_made_by_then() {
+    let (mut bench, mut other) = (Bench::start().await, Bench::start().await);
+    let (whole, enough) = parts_within(&mut bench, 0).await;
+    assert!(enough.stop() == pb::Stop::Tolerance && enough.part_count == 2 && enough.steps > 0, "{enough:?}");
+    let (hull, one) = parts_within(&mut bench, 1).await;
+    assert!(one.stop() == pb::Stop::Budget && one.part_count == 1 && one.steps < enough.steps, "{one:?}");
+    let inside = one.inside.expect("an interval");
+    let (lower, upper) = (inside.lower.expect("a bound"), inside.upper.expect("a bound"));
+    // The middle of the hull's slope is as far from either side of the hollow.
+    assert!(lower <= 0.5 && 0.5 <= upper && upper <= 3.0, "{inside:?}");
+    assert_ne!(hull, whole, "other parts are another geometry");
+    assert_eq!(parts_within(&mut other, 1).await, (hull, one), "the same on every server");
+    let (named, _) = parts_within(&mut bench, 1 << 32).await;
+    assert_eq!(named, whole, "0 stands for it");
+}
+
+#[tokio::test]
+async fn more_steps_than_the_server_allows_are_refused() {
+    let settings = calipers::config::Settings { decompose_steps: 1_000_000, ..settings() };
+    let mut bench = Bench::start_with(settings).await;
+    let request = pb::CreateGeometryRequest { session: String::new(), geometry: Some(cut_within(1_000_001)) };
+    let refused = bench.geometries.create_geometry(request).await.expect_err("too many");
+    let field = "geometry.mesh.decompose.max_steps";
+    assert_refused(
+        &refused,
+        Code::ResourceExhausted,
+        "QUOTA_EXCEEDED",
+        field,
+        &["1000001", "1000000", "decompose_steps"],
+    );
+    let (usual, _) = parts_within(&mut bench, 0).await;
+    assert_eq!(parts_within(&mut bench, 1_000_000).await.0, usual, "0 is what the server allows");
 }

@@ -20,8 +20,10 @@ pub(crate) async fn zoo() -> Bench {
     let hull = geometry(Form::Hull(pb::ConvexHull { points: corners.clone() }));
     let indices = vec![0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
     let mesh = pb::TriangleMesh { vertices: corners, indices, mode: pb::MeshMode::Solid.into(), ..Default::default() };
-    let decomposed =
-        pb::TriangleMesh { decompose: Some(pb::Decompose { max_parts: 2, max_error: 0.0 }), ..mesh.clone() };
+    let decomposed = pb::TriangleMesh {
+        decompose: Some(pb::Decompose { max_parts: 2, max_error: 0.0, max_steps: 0 }),
+        ..mesh.clone()
+    };
     let mut ids = Vec::new();
     for form in [hull, geometry(Form::Mesh(mesh)), geometry(Form::Mesh(decomposed))] {
         let request = pb::CreateGeometryRequest { geometry: Some(form), ..pb::CreateGeometryRequest::default() };

@@ -122,7 +122,28 @@ fn mesh_as(
 /// ```
 pub fn with_parts(mut geometry: proto::Geometry, max_parts: u32, max_error: f64) -> proto::Geometry {
     if let Some(Kind::Mesh(mesh)) = &mut geometry.kind {
-        mesh.decompose = Some(proto::Decompose { max_parts, max_error });
+        mesh.decompose = Some(proto::Decompose { max_parts, max_error, max_steps: 0 });
+    }
+    geometry
+}
+
+/// The same where the making of the parts that [`with_parts`] asks for ends after about `max_steps` steps, some 100 ns each, with what is
+/// made by then: the same parts on every machine. At least 1; a server may allow fewer than are asked, and says so. Forms without
+/// parts stay as they are.
+///
+/// ```
+/// use calipers_client::geometry;
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let surface = geometry::mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]);
+/// let soon = geometry::within_steps(geometry::with_parts(surface, 8, 0.01), 10_000_000);
+/// # let Some(calipers_client::proto::geometry::Kind::Mesh(mesh)) = soon.kind else { panic!() };
+/// # assert_eq!(mesh.decompose.map(|asked| (asked.max_parts, asked.max_steps)), Some((8, 10_000_000)));
+/// ```
+pub fn within_steps(mut geometry: proto::Geometry, max_steps: u64) -> proto::Geometry {
+    if let Some(Kind::Mesh(mesh)) = &mut geometry.kind
+        && let Some(asked) = &mut mesh.decompose
+    {
+        asked.max_steps = max_steps;
     }
     geometry
 }

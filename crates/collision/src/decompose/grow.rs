@@ -96,7 +96,14 @@ impl<'a> Growth<'a> {
         while first < subject.diagonal * COARSEST {
             first /= TIGHTENING;
         }
-        let state = Progress { part_count: 1, done_count: 0, max_parts, inside_upper: subject.diagonal, steps: 0 };
+        let state = Progress {
+            part_count: 1,
+            done_count: 0,
+            max_parts,
+            inside_upper: subject.diagonal,
+            steps: 0,
+            max_steps: options.budget,
+        };
         Self {
             subject,
             parts: Vec::new(),

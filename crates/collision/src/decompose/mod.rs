@@ -69,7 +69,7 @@ pub struct Options {
 
 impl Options {
     /// Steps where nothing is said: minutes.
-    pub const BUDGET_USUAL: u64 = 1 << 32;
+    pub const BUDGET_USUAL: u64 = PartsAsked::STEPS_USUAL;
 
     /// Parts at most that are made for a question.
     const PARTS_FOR_QUESTIONS: u32 = 256;
@@ -100,6 +100,8 @@ pub struct Progress {
     pub inside_upper: f64,
     /// Steps so far.
     pub steps: u64,
+    /// How many there may be.
+    pub max_steps: u64,
 }
 
 /// The caller's function said to stop.
@@ -223,7 +225,11 @@ impl Options {
     /// What is asked of the parts, with the usual number where none is said.
     #[must_use]
     pub fn asked(&self) -> PartsAsked {
-        PartsAsked { max_parts: grow::parts_most(self.max_parts), max_error: self.max_error.max(0.0) }
+        PartsAsked {
+            max_parts: grow::parts_most(self.max_parts),
+            max_error: self.max_error.max(0.0),
+            max_steps: self.budget,
+        }
     }
 }
 
@@ -246,6 +252,7 @@ impl Decomposition {
             inside: self.errors.inside,
             volume_excess: self.volume_excess,
             stop: self.stop,
+            steps: self.steps,
             receipt: self.receipt,
         })
     }
@@ -268,7 +275,14 @@ pub fn measure(
 ) -> Result<Errors, Cancelled> {
     let subject = Subject::new(mesh);
     let count = u32::try_from(parts.len()).unwrap_or(u32::MAX);
-    let state = Progress { part_count: count, done_count: 0, max_parts: count, inside_upper: f64::INFINITY, steps: 0 };
+    let state = Progress {
+        part_count: count,
+        done_count: 0,
+        max_parts: count,
+        inside_upper: f64::INFINITY,
+        steps: 0,
+        max_steps: budget,
+    };
     let meter = &mut Meter::new(budget, state, progress);
     let goal = Goal { enough: width, share: SHARE, hopeless: f64::INFINITY };
     let hulls = parts.iter().filter_map(|part| match part.form() {

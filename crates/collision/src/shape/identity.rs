@@ -32,6 +32,10 @@ pub(super) fn id_with_parts(bare: GeometryId, asked: &PartsAsked) -> GeometryId 
     content.0.update(&bare.0);
     content.count(asked.max_parts as usize);
     content.number(asked.max_error);
+    // So that what was asked before steps could be named keeps its id.
+    if asked.max_steps != PartsAsked::STEPS_USUAL {
+        content.0.update(&asked.max_steps.to_le_bytes());
+    }
     GeometryId(*content.0.finalize().as_bytes())
 }
 

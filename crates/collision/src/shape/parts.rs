@@ -25,6 +25,13 @@ pub struct PartsAsked {
     pub max_parts: u32,
     /// How near to the mesh they are to be, metres; 0 for the usual.
     pub max_error: f64,
+    /// Steps that making them may take.
+    pub max_steps: u64,
+}
+
+impl PartsAsked {
+    /// Steps where nothing is said: minutes.
+    pub const STEPS_USUAL: u64 = 1 << 32;
 }
 
 /// The convex parts of a mesh, and what they are worth.
@@ -44,6 +51,8 @@ pub struct MeshParts {
     pub volume_excess: Option<f64>,
     /// Why they were made no finer.
     pub stop: Stop,
+    /// Steps that making them took.
+    pub steps: u64,
     /// What making them took, and when they were asked for.
     pub receipt: Receipt,
 }

@@ -160,6 +160,38 @@ fn the_same_mesh_gives_the_same_bits() {
     }
 }
 
+/// However often it is told of, and whatever is asked of the clock: steps alone end it.
+#[test]
+fn the_same_steps_give_the_same_bits_and_are_part_of_the_id() {
+    let mut noise = Noise(0xB0D6E7);
+    let geometry = bent_cubes(&mut noise);
+    let options = Options { max_parts: 64, max_error: 0.02 * diagonal(&geometry), ..Options::default() };
+    let whole = parts_of(&geometry, &options).steps;
+    let mut ids = Vec::new();
+    for budget in [1, whole / 4, whole / 2, Options::BUDGET_USUAL] {
+        let options = Options { budget, ..options };
+        let first = parts_of(&geometry, &options);
+        let mut pauses = 0;
+        let slowly = decompose(mesh_of(&geometry), &options, &mut |progress| {
+            assert!(progress.max_steps == budget && progress.steps <= budget + 20_000, "{progress:?}");
+            pauses += 1;
+            std::thread::yield_now();
+            ControlFlow::Continue(())
+        });
+        assert!(pauses > 0);
+        assert_eq!(bits(&first), bits(&slowly.expect("nobody calls it off")), "{budget}");
+        assert_eq!(first.stop == Stop::Budget, budget < whole, "{budget}");
+        let steps = first.steps;
+        let attached = first.attached(&geometry, &options).expect("a mesh");
+        assert_eq!(attached.id(), geometry.id_with_parts(&options.asked()));
+        assert!(attached.parts().is_some_and(|parts| parts.asked.max_steps == budget && parts.steps == steps));
+        ids.push(attached.id());
+    }
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), 4, "other parts are another geometry");
+}
+
 #[test]
 fn more_parts_are_never_farther_off_than_asked() {
     let mut noise = Noise(0xABCD);
