@@ -3,7 +3,7 @@
 /// A named point of the trade of speed for accuracy: where the defaults of an [`Accuracy`] come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tier {
-    /// Relative error 0.1, budget 16.
+    /// Relative error 0.1, budget 64.
     Fast,
     /// Relative error 1e-6, budget 128.
     #[default]
@@ -36,7 +36,7 @@ impl Accuracy {
     #[must_use]
     pub const fn of(tier: Tier) -> Self {
         let (max_error_relative, budget) = match tier {
-            Tier::Fast => (0.1, 16),
+            Tier::Fast => (0.1, 64),
             Tier::Standard => (1e-6, 128),
             Tier::Exact => (0.0, 4096),
         };

@@ -59,7 +59,7 @@ fn points_and_plates_fall_on_a_terrain() {
 fn what_makes_an_interval_wide_says_why_it_ended() {
     let land = flat_land();
     let stick = Geometry::capsule(0.7, 0.01).expect("sizes");
-    let accuracy = Accuracy::of(Tier::Fast);
+    let accuracy = Accuracy { budget: 16, ..Accuracy::of(Tier::Fast) };
     let mut wide = 0;
     for step in 0..400 {
         let tilt = f64::from(step) * 0.01;

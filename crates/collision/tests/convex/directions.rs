@@ -158,3 +158,31 @@ fn a_depth_that_only_a_ball_proves() {
     let b = body(stick, [0.964133890076489, -0.22519207297278152, 0.1404790812761747], turn);
     assert_depth(&a, &b, 9.925e-12, "leaf and stick");
 }
+
+/// A depth that was known well enough was followed by a search for balls, of which the exact one had no need.
+#[test]
+fn asking_for_less_takes_no_more_steps() {
+    let noise = &mut Noise(44);
+    let mut fewer = 0;
+    for number in 0..2000 {
+        let size = |noise: &mut Noise| noise.between(0.1, 1.0);
+        let round = match number % 3 {
+            0 => Geometry::cone(size(noise), size(noise)),
+            1 => Geometry::cylinder(size(noise), size(noise)),
+            _ => Geometry::ellipsoid(DVec3::new(size(noise), size(noise), size(noise))),
+        };
+        let a = Body { geometry: round.expect("sizes"), pose: Pose::new(DVec3::ZERO, noise.rotation()) };
+        let place = noise.vector() * 0.8;
+        let b = Body { geometry: noise.convex(number / 3), pose: Pose::new(place, noise.rotation()) };
+        let steps = |accuracy: Accuracy| {
+            let depth = narrow::depth(a.placed(), b.placed(), 0.0, &accuracy, &mut Work::default());
+            depth.map_or(0, |depth| depth.certificate.iterations)
+        };
+        let exact = Accuracy::of(Tier::Exact);
+        let counts =
+            [0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0].map(|max_error_relative| steps(Accuracy { max_error_relative, ..exact }));
+        assert!(counts.is_sorted_by(|finer, coarser| finer >= coarser), "{number}: {counts:?} of {a:?} and {b:?}");
+        fewer += usize::from(counts[0] > counts[4]);
+    }
+    assert!(fewer > 100, "vacuous: {fewer}");
+}

@@ -1,6 +1,6 @@
 //! Answers from stand-ins hold the truth, and contradict no verdict.
 
-use std::ops::ControlFlow;
+use std::{ops::ControlFlow, sync::Arc};
 
 use collision::{
     DQuat, DVec3,
@@ -16,6 +16,9 @@ use crate::forms::{Body, KINDS, Noise, bumpy, form, l_prism, pair};
 
 /// Pairs of each test: all kinds, three times.
 const PAIRS: usize = 3 * 7 * KINDS;
+
+/// Pairs of meshes close by, of which alone the simplified hull is asked whether they touch.
+const MESH_PAIRS: usize = 200;
 
 fn loose(max_error: f64, max_error_relative: f64) -> Accuracy {
     Accuracy { max_error, max_error_relative, ..Accuracy::default() }
@@ -102,8 +105,11 @@ fn what_is_beyond_a_limit_is_beyond_it() {
 fn no_verdict_is_contradicted() {
     let mut noise = Noise(23);
     let mut tallies = [Tally::default(), Tally::default()];
-    for number in 0..PAIRS {
-        let bodies = pair(&mut noise, number);
+    let all = (0..PAIRS + MESH_PAIRS).map(|number| match number < PAIRS {
+        true => pair(&mut noise, number),
+        false => [(); 2].map(|()| Body { geometry: Arc::new(bumpy(&mut noise, 1.0)), pose: noise.pose(1.2) }),
+    });
+    for (number, bodies) in all.enumerate() {
         let [a, b] = [bodies[0].placed(), bodies[1].placed()];
         let exact = narrow::overlap(a, b, &Accuracy::of(Tier::Exact), &mut Work::default());
         let accuracy = loose(0.1 * size(&bodies), 0.0);
@@ -122,7 +128,7 @@ fn no_verdict_is_contradicted() {
         }
     }
     let [miss, hit] = tallies;
-    assert!(miss.0[1] > 60 && miss.0[2] > 1 && hit.0[4] > 10, "vacuous: {miss:?} and {hit:?}");
+    assert!(miss.0[1] > 60 && miss.0[2] > 5 && hit.0[4] > 10, "vacuous: {miss:?} and {hit:?}");
 }
 
 #[test]

@@ -156,7 +156,8 @@ pub(super) fn overlapping(pair: &Pair<'_>, gap: &Gap, budget: u32, is_enough: im
         }
         None => Touch::by_axes(axes::depth(pair), radius),
     };
-    let touch = narrowed(pair, touch.with_ball(pair, points), rest, &is_enough).with_ball(pair, None);
+    let touch = touch.with_ball(pair, points, rest, &is_enough);
+    let touch = narrowed(pair, touch, rest, &is_enough).with_ball(pair, None, rest, &is_enough);
     match by_formula.map(|found| Touch::by_formula(&found, radius)) {
         Some(found) if found.upper < touch.upper => {
             Touch { lower: touch.lower, stop: touch.stop, iterations: touch.iterations, ..found }
@@ -273,13 +274,20 @@ impl Touch {
     }
 
     /// The same with what a ball in one core about a point of the other proves, and the way out that it shows: the search for it begins
-    /// at the points that are known, or at the farthest ones along the normal.
-    fn with_ball(self, pair: &Pair<'_>, points: Option<(DVec3, DVec3)>) -> Self {
-        if self.upper - self.lower <= DEPTH_WIDTH {
+    /// at the points that are known, or at the farthest ones along the normal. Not where less is enough, and once at least.
+    fn with_ball(
+        self,
+        pair: &Pair<'_>,
+        points: Option<(DVec3, DVec3)>,
+        budget: u32,
+        is_enough: &impl Fn(f64, f64) -> bool,
+    ) -> Self {
+        if self.upper - self.lower <= DEPTH_WIDTH || is_enough(self.lower, self.upper) {
             return self;
         }
+        let climbs = budget.saturating_sub(self.iterations).max(1);
         let farthest = || (pair.a.support(DVec3::ZERO - self.normal).point, pair.b.support(self.normal).point);
-        let Some(ball) = nested::greatest(pair, points.unwrap_or_else(farthest)) else { return self };
+        let Some(ball) = nested::greatest(pair, points.unwrap_or_else(farthest), climbs) else { return self };
         let radius = pair.radius();
         let best = radius - formula::plane(pair, ball.normal) - PAIR_ROUNDING;
         let (best, upper, normal, witnesses) = if best < self.best {
@@ -290,7 +298,8 @@ impl Touch {
         };
         let lower = self.lower.max((ball.radius + radius).min(upper));
         let stop = if upper - lower <= DEPTH_WIDTH { Stop::Converged } else { self.stop };
-        Self { best: best.max(lower), lower, upper, normal, witnesses, stop, ..self }
+        let iterations = self.iterations.saturating_add(ball.climbs);
+        Self { best: best.max(lower), lower, upper, normal, witnesses, stop, iterations, ..self }
     }
 
     /// The shorter of two ways out. What the other proves from below holds for it too, unless that is more than this way out:

@@ -5,19 +5,18 @@
 //! Lengths never widen times, as a graze is early or late by any time: what may touch is asked of the geometries.
 //!
 //! # Limits
-//! Only where one side is concave. Between stand-ins that hold two convex forms and others that are parts of them lies the time
-//! of their touch, but asking both took two to four times as long as asking the forms, measured with hulls of 64 to 1,024 vertices.
+//! See [`super::rungs_of_touch`] for which pairs. Between stand-ins that hold two convex forms and others that are parts of them lies the
+//! time of their touch, but asking both took two to four times as long as asking the forms, measured with hulls of 64 to 1,024
+//! vertices.
 
 use std::borrow::Cow;
 
-use super::{Climb, Side, Stage, is_convex, is_tried};
+use super::{Climb, Side, Stage, is_tried, rungs_of_touch};
 use crate::{
     accuracy::Accuracy,
-    answer::{Representation, Work},
+    answer::Work,
     narrow::{ImpactTouch, InitialTouch, Motion, Placed, convex},
 };
-
-const RUNGS: [Representation; 2] = [Representation::OrientedBox, Representation::SimplifiedHull];
 
 /// As [`crate::narrow::impact`], if a rung proves that the way is free.
 pub(in crate::narrow) fn impact(
@@ -27,12 +26,12 @@ pub(in crate::narrow) fn impact(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Climb<Option<ImpactTouch>> {
-    if !is_tried(a, b, accuracy) || is_convex(a) && is_convex(b) {
+    if !is_tried(a, b, accuracy) {
         return Climb::ToTheTop;
     }
     // What touches at the start and is ignored may be the stand-in alone: a proof that the way is free ignores nothing.
     let counted = Motion { initial: InitialTouch::Counts, ..*motion };
-    for stage in RUNGS.into_iter().filter_map(|rung| Stage::on(a, b, rung)) {
+    for stage in rungs_of_touch(a, b).iter().filter_map(|&rung| Stage::on(a, b, rung)) {
         if stage.grown().first_touch(&counted, accuracy, work).is_none() {
             return Climb::Answered(None);
         }

@@ -54,6 +54,12 @@ pub(super) enum Climb<T> {
 /// Of what reaches so far a rung is seldom nearer than this part of it: with less to spare, none is tried. Measured.
 const WORTH_TRYING: f64 = 1.0 / 256.0;
 
+/// Rungs that may prove that nothing is touched. A ball proves less than the boxes that every pair is judged by first.
+const RUNGS_OF_TOUCH: [Representation; 2] = [Representation::OrientedBox, Representation::SimplifiedHull];
+
+/// A box is slim if, turned as it is, it fills no more than one part in so many of the one along the axes that holds it.
+const SLIM: f64 = 2.0;
+
 /// A pair on a rung.
 struct Stage<'a> {
     a: Side<'a>,
@@ -197,6 +203,27 @@ fn is_tried(a: &Placed<'_>, b: &Placed<'_>, accuracy: &Accuracy) -> bool {
 fn is_worth_trying(a: &Placed<'_>, b: &Placed<'_>, allowed: f64) -> bool {
     let of_ladder = |placed: &Placed<'_>| if placed.geometry.has_stand_ins() { placed.geometry.reach() } else { 0.0 };
     allowed >= of_ladder(a).max(of_ladder(b)) * WORTH_TRYING
+}
+
+/// Which rungs are asked whether a pair touches. Of two concave forms both: they are dear. Whether a convex form touches a concave one, few
+/// triangles tell as cheaply as stand-ins do, of which one in five proves anything, measured in halls and fields of rocks: it is the
+/// box, and that where the one along the axes, which every pair is judged by first, says much less. Of two convex forms none.
+fn rungs_of_touch(a: &Placed<'_>, b: &Placed<'_>) -> &'static [Representation] {
+    match [is_convex(a), is_convex(b)] {
+        [false, false] => &RUNGS_OF_TOUCH,
+        [true, false] if has_slim_box(b) => &RUNGS_OF_TOUCH[..1],
+        [false, true] if has_slim_box(a) => &RUNGS_OF_TOUCH[..1],
+        _ => &[],
+    }
+}
+
+/// Decides what is asked, proves nothing.
+fn has_slim_box(placed: &Placed<'_>) -> bool {
+    let bounds = placed.geometry.local_bounds();
+    let own = bounds.max - bounds.min;
+    let matrix = placed.pose.matrix();
+    let along_axes = matrix.x_axis.abs() * own.x + matrix.y_axis.abs() * own.y + matrix.z_axis.abs() * own.z;
+    along_axes.x * along_axes.y * along_axes.z > SLIM * (own.x * own.y * own.z)
 }
 
 /// The two are no farther apart than this, nor deeper in each other, to within rounding. Tells what is not worth asking, proves

@@ -1,18 +1,15 @@
 //! Whether two geometries are clear of each other, told by what stands in for them.
 //!
 //! # Limits
-//! Only where one side is concave: measured, whether two convex forms touch they tell in half the time that their stand-ins
-//! take. A concave geometry may be hollow, so what touches its stand-in need not touch it: there is no proof of a `Hit`.
+//! See [`super::rungs_of_touch`] for which pairs. A concave geometry may be hollow, so what touches its stand-in need not touch it:
+//! there is no proof of a `Hit`.
 
-use super::{Climb, Stage, is_convex, is_tried};
+use super::{Climb, Stage, is_tried, rungs_of_touch};
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Representation, Stop, Verdict, Work},
+    answer::{Bound, Certificate, Stop, Verdict, Work},
     narrow::{Placed, convex},
 };
-
-/// A ball proves less than the boxes that every pair is judged by first.
-const RUNGS: [Representation; 2] = [Representation::OrientedBox, Representation::SimplifiedHull];
 
 /// As [`crate::narrow::overlap`], if a rung proves that they do not touch.
 pub(in crate::narrow) fn overlap(
@@ -21,10 +18,10 @@ pub(in crate::narrow) fn overlap(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Climb<Certificate> {
-    if !is_tried(a, b, accuracy) || is_convex(a) && is_convex(b) {
+    if !is_tried(a, b, accuracy) {
         return Climb::ToTheTop;
     }
-    for stage in RUNGS.into_iter().filter_map(|rung| Stage::on(a, b, rung)) {
+    for stage in rungs_of_touch(a, b).iter().filter_map(|&rung| Stage::on(a, b, rung)) {
         let outside = stage.model.outside;
         let found = match outside > 0.0 {
             true => convex::within(stage.a.placed(), stage.b.placed(), outside, accuracy, work),

@@ -19,7 +19,7 @@ use crate::{
         convex::{self, Ruling},
         place::Place,
     },
-    shape::{Mesh, MeshMode, Sides},
+    shape::{Convex, Core, Mesh, MeshMode, Sides},
     tolerance::SURFACE_LEAN,
 };
 
@@ -142,6 +142,19 @@ impl Course<'_> {
     }
 }
 
+/// Hulls of no more corners touch a triangle exactly in hardly more steps than nearly.
+const CORNERS_FEW: usize = 64;
+
+/// What is asked of the depth in a triangle. A normal that is nearly right is none that the surface has, and replacing it costs more than
+/// finding the right one, which flat forms of few corners have after a step or two more.
+fn asked(other: &Convex, accuracy: &Accuracy) -> Accuracy {
+    let is_flat = match &other.core {
+        Core::Hull(hull) => hull.vertices().len() <= CORNERS_FEW,
+        core => core.is_polytope(),
+    };
+    if is_flat { Accuracy { max_error: 0.0, max_error_relative: 0.0, ..*accuracy } } else { *accuracy }
+}
+
 /// The contact of two pieces, of which at most one is a facet.
 pub(super) fn contact(a: &Piece<'_>, b: &Piece<'_>, max_gap: f64, accuracy: &Accuracy, work: &mut Work) -> Felt {
     let (meeting, is_first) = match (a.facet, b.facet) {
@@ -154,6 +167,7 @@ pub(super) fn contact(a: &Piece<'_>, b: &Piece<'_>, max_gap: f64, accuracy: &Acc
     };
     let turned = |normal: DVec3| if is_first { DVec3::ZERO - normal } else { normal };
     let is_from_back = !meeting.is_felt_from_both_sides() && meeting.is_behind();
+    let accuracy = &asked(meeting.other.convex, accuracy);
     let mut verdict = Verdict::Miss;
     let contact =
         convex::penetration_ruled([a.placed(), b.placed()], max_gap, accuracy, work, |normal_b_to_a, found| {
