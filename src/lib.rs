@@ -7,6 +7,7 @@
 //! Geometry: there is no dot product here.
 
 pub mod config;
+pub mod exported;
 pub mod observe;
 mod past;
 pub mod replay;

@@ -120,6 +120,16 @@ impl Import {
     }
 }
 
+/// The pieces of a file, all of them.
+#[cfg(feature = "measure")]
+pub(super) fn pieces(path: &std::path::Path) -> Result<Vec<proto::WorldPiece>, Failure> {
+    let name = path.display();
+    let file = File::open(path).map_err(|error| Failure::new(format!("{name} cannot be read: {error}")))?;
+    let mut file = BufReader::new(file);
+    let all: Result<Vec<_>, String> = std::iter::from_fn(|| next_piece(&mut file).transpose()).collect();
+    all.map_err(|why| Failure::new(format!("{name} is no whole export: {why}")))
+}
+
 /// The next piece of a file; `None` at its end.
 fn next_piece(file: &mut impl Read) -> Result<Option<proto::WorldPiece>, String> {
     let Some(length) = next_length(file)? else { return Ok(None) };

@@ -1,6 +1,6 @@
 //! Which scene is measured: a named one, or the user's own files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use glam::DVec3;
@@ -9,13 +9,14 @@ use yardstick::measure::Kind;
 use yardstick::scenes::{Name, Scene, TakenFor, Triangles};
 
 use super::Failure;
+use super::carry;
 use super::mesh_file::{self, Unit, Up};
 
 /// Which scene.
 #[derive(Debug, Args)]
 pub(crate) struct Stage {
     /// Mesh files (as `load` reads them): the first stands, the others are asked about; without others a ball, a capsule and a
-    /// box of a thirtieth of its size
+    /// box of a thirtieth of its size. Or one world that `export` wrote: what moves in it is asked about
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
     /// A generated scene: arena, debris, terrain, columns, needles, planet or coins; can be given several times
@@ -55,12 +56,18 @@ impl Stage {
             let names = if self.names.is_empty() { &Name::ALL[..] } else { &self.names };
             return Ok(names.iter().map(|&name| Scene::named(name, self.seed)).collect());
         }
+        if let [path] = &*self.files
+            && !mesh_file::is_known(path)
+        {
+            let world = calipers::exported::world(carry::pieces(path)?.into_iter())
+                .map_err(|why| Failure::new(format!("{} is no whole export: {why}", path.display())))?;
+            return Ok(vec![Scene::of_world(&name_of(path), &world.newest())?]);
+        }
         let files = self.files.iter().map(|path| {
             let read = mesh_file::read(path, self.unit, self.up, |file| file)?;
             let corner = |[x, y, z]: &[f32; 3]| DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z));
-            let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
             let vertices = read.vertices.as_chunks().0.iter().map(corner).collect();
-            Ok(Triangles { name, vertices, triangles: read.indices.as_chunks().0.to_vec() })
+            Ok(Triangles { name: name_of(path), vertices, triangles: read.indices.as_chunks().0.to_vec() })
         });
         let files: Vec<Triangles> = files.collect::<Result<_, Failure>>()?;
         let taken_for = match self.taken_for {
@@ -87,6 +94,10 @@ impl Stage {
         let taken_for = if matches!(self.taken_for, Taken::Hull) { " --taken-for hull" } else { "" };
         format!("{which}{taken_for} --seed {}", self.seed)
     }
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// A bar on standard error that is drawn on a terminal only.

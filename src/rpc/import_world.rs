@@ -12,6 +12,7 @@ use collision::{
     world::{Means, Settings as WorldSettings, Shape, Tick, Time, World},
 };
 use tokio::time::timeout;
+use tokio_util::sync::CancellationToken;
 use tonic::{Request, Response, Status, Streaming};
 use wire::v1::{self as pb, world_piece::Piece};
 
@@ -50,7 +51,7 @@ pub(super) async fn answer(
     };
     let session = server.enter(&caller, &first.session, Role::Writer)?;
     let _lease = session.lease.hold();
-    let mut import = Import::begin(&session, server.workshop.clone());
+    let mut import = Import::begin(Some(Home { session: session.clone(), workshop: server.workshop.clone() }));
     let mut next = Some(first);
     while let Some(message) = next {
         import = compute::run(Weight::Heavy, "importing a world", move || {
@@ -86,10 +87,28 @@ pub(super) async fn answer(
     Ok(Response::new(response.await?))
 }
 
-/// What has come of an export.
-struct Import {
+/// Puts an export together outside of any server.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn read_export(pieces: impl Iterator<Item = pb::WorldPiece>) -> Checked<World> {
+    let mut import = Import::begin(None);
+    for piece in pieces {
+        import.take(piece)?;
+    }
+    Ok(import.end(Means::default())?.0)
+}
+
+/// Where an import goes.
+struct Home {
     session: Arc<Session>,
     workshop: Arc<Workshop>,
+}
+
+/// What has come of an export.
+struct Import {
+    /// `None` outside of a server.
+    home: Option<Home>,
     chain: Chain,
     header: Option<Header>,
     geometries: Geometries,
@@ -110,11 +129,11 @@ struct Header {
 }
 
 impl Import {
-    fn begin(session: &Arc<Session>, workshop: Arc<Workshop>) -> Self {
+    fn begin(home: Option<Home>) -> Self {
+        let staging = |home: &Home| home.session.geometries.staging();
         Self {
-            geometries: session.geometries.staging(),
-            session: session.clone(),
-            workshop,
+            geometries: home.as_ref().map_or_else(|| Geometries::new(u64::MAX), staging),
+            home,
             chain: Chain::new(),
             header: None,
             intake: Intake::default(),
@@ -156,7 +175,7 @@ impl Import {
                 Err(out_of_place("piece.header", "comes a second time: an export is of one world"))
             }
             Some(Piece::Geometry(piece)) if self.shapes.is_empty() => {
-                self.intake.take(piece, &self.geometries, &cut(&self.workshop)).under("piece")
+                self.intake.take(piece, &self.geometries, &cut(self.home.as_ref())).under("piece")
             }
             Some(Piece::Geometry(_)) => {
                 Err(out_of_place("piece.geometry", "comes after shapes: geometries come before"))
@@ -180,8 +199,10 @@ impl Import {
         let Some(tick) = Tick::new(sent.tick) else {
             return Err(Problem::at("tick", Reason::OutOfLimits, "is 0: ticks begin at 1, such as {\"tick\": 7}"));
         };
-        self.session.check_importable(tick)?;
-        self.session.check_shape_count(usize::try_from(sent.shape_count).unwrap_or(usize::MAX))?;
+        if let Some(Home { session, .. }) = &self.home {
+            session.check_importable(tick)?;
+            session.check_shape_count(usize::try_from(sent.shape_count).unwrap_or(usize::MAX))?;
+        }
         Ok(Header {
             tick,
             time: sent.time.as_ref().map_or(Ok(Time(0)), |sent| time("time", sent))?,
@@ -193,7 +214,7 @@ impl Import {
 
     /// Ends the geometries, of which there must be as many as were promised.
     fn end_geometries(&mut self) -> Checked<()> {
-        let found = self.intake.end(&self.geometries, &cut(&self.workshop)).under("piece")?;
+        let found = self.intake.end(&self.geometries, &cut(self.home.as_ref())).under("piece")?;
         let promised = self.header.as_ref().map_or(0, |header| header.geometry_count);
         match found == promised {
             true => Ok(()),
@@ -246,8 +267,11 @@ impl Import {
 }
 
 /// Makes convex parts as they are made for all others.
-fn cut(workshop: &Workshop) -> impl Fn(&Building) -> Checked<Geometry> {
-    |building| workshop.made(building).map(|made| Geometry::clone(&made))
+fn cut(home: Option<&Home>) -> impl Fn(&Building) -> Checked<Geometry> {
+    move |building| match home {
+        Some(Home { workshop, .. }) => workshop.made(building).map(|made| Geometry::clone(&made)),
+        None => building.cut(&CancellationToken::new()),
+    }
 }
 
 fn damaged(field: &str, what: String) -> Problem {

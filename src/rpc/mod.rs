@@ -54,6 +54,7 @@ use tonic::{Request, Status, service::Routes};
 use wire::v1 as pb;
 
 pub(crate) use explain::{FORMAT as REPLAY_FORMAT, ask_again};
+pub(crate) use import_world::read_export;
 
 use crate::{
     building::Workshop,

@@ -1,6 +1,6 @@
 //! `bench` and `tune`: what accuracy costs, told without a server.
 
-use crate::binary::{Scratch, run, run_well};
+use crate::binary::{Scratch, Server, run, run_well};
 
 /// A square pyramid.
 const PYRAMID: &str =
@@ -35,6 +35,22 @@ fn a_file_is_tuned_for_and_the_field_is_json_of_the_api() {
     let known = ["tier", "maxError", "maxErrorRelative", "budget"];
     assert!(!accuracy.is_empty() && accuracy.keys().all(|key| known.contains(&key.as_str())), "{field}");
     assert_eq!(Some(field), of(&tuned()), "the same each time");
+}
+
+#[test]
+fn a_world_of_a_server_is_measured_from_its_export() {
+    let server = Server::start(&["--demo"]);
+    let file = Scratch::new(".world", "");
+    run_well(&["export", file.path(), "--server", server.address()]);
+    let said = run_well(&["bench", file.path(), "--question", "overlap", "--count", "3"]);
+    assert!(said.contains(", overlap: 3 questions") && said.contains("\n  tier"), "{said}");
+    let said = run_well(&["tune", file.path(), "--max-error", "1e-2", "--count", "3", "--question", "raycast"]);
+    assert!(said.contains("in RaycastRequest: "), "{said}");
+    let torn = std::fs::read(file.path()).expect("it was written");
+    for wrong in [&torn[..torn.len() - 1], b"not an export at all", b""] {
+        let said = run(&["bench", Scratch::new(".world", wrong).path()]);
+        assert!(said.code == Some(1) && said.err.contains("is no whole export"), "{said:?}");
+    }
 }
 
 #[test]

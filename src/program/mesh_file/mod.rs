@@ -65,6 +65,12 @@ impl Format {
     }
 }
 
+/// Whether the ending of a name says a format of mesh files.
+#[cfg(feature = "measure")]
+pub(crate) fn is_known(path: &Path) -> bool {
+    Format::of(path).is_some()
+}
+
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

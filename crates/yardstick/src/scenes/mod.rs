@@ -13,6 +13,7 @@
 //! | `planet` | small things on a ball of 6,371 km, far from the origin | digits |
 //! | `coins` | a heap of discs, round ones and ones of 512 corners | flat contacts |
 
+mod assets;
 mod bodies;
 mod places;
 mod things;
@@ -22,11 +23,14 @@ use std::{num::NonZeroU64, sync::Arc};
 use collision::{
     DVec3,
     math::{Aabb, Pose},
-    shape::{Geometry, GeometryError},
-    world::{Edit, EditRule, Means, Mobility, Settings, Shape, ShapeId, Time, World},
+    shape::{Form, Geometry, GeometryError},
+    world::{Edit, EditRule, Means, Mobility, Settings, Shape, ShapeId, Snapshot, Time, World},
 };
 
 use crate::scene::Random;
+
+/// Forms of a user's world that are asked about.
+const SUBJECTS_MAX: usize = 4;
 
 /// The names of the scenes that are generated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,6 +165,34 @@ impl Scene {
         Ok(Self { name, items: vec![level], subjects, size })
     }
 
+    /// A version of a user's world. What moves in it is asked about, up to some forms in the order of ids; where nothing does, a ball, a
+    /// capsule and a box of half the usual size. Filters and velocities are left out, and ids are numbers from 1.
+    ///
+    /// # Errors
+    /// There is no shape, or only half spaces.
+    pub fn of_world(name: &str, world: &Snapshot) -> Result<Self, GeometryError> {
+        let item =
+            |shape: &Shape| Item { geometry: shape.geometry.clone(), pose: shape.pose, mobility: shape.mobility };
+        let items: Vec<Item> = world.shapes_after(None, usize::MAX, None).into_iter().map(item).collect();
+        let is_bounded = |item: &&Item| !matches!(item.geometry.form(), Form::HalfSpace(_));
+        let mut sizes: Vec<f64> = items.iter().filter(is_bounded).map(|item| item.geometry.reach()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let Some(&usual) = sizes.get(sizes.len() / 2) else {
+            return Err(GeometryError::Bad { field: "shapes".into(), reason: "there is none to ask about".into() });
+        };
+        let mut subjects: Vec<Arc<Geometry>> = Vec::new();
+        for Item { geometry, .. } in items.iter().filter(is_bounded).filter(|item| item.mobility != Mobility::Static) {
+            if subjects.len() < SUBJECTS_MAX && subjects.iter().all(|known| known.id() != geometry.id()) {
+                subjects.push(geometry.clone());
+            }
+        }
+        if subjects.is_empty() {
+            subjects = bodies::usual(0.5 * usual)?;
+        }
+        let size = subjects.iter().map(|form| form.reach()).fold(0.0, f64::max);
+        Ok(Self { name: name.to_owned(), items, subjects, size })
+    }
+
     /// The id of an item.
     ///
     /// # Panics
@@ -237,6 +269,20 @@ mod tests {
         for name in [Name::Debris, Name::Columns, Name::Coins] {
             assert!(Scene::named(name, 1).items.iter().any(of_many), "{}", name.text());
         }
+    }
+
+    #[test]
+    fn of_a_world_what_moves_is_asked_about() {
+        let arena = Scene::named(Name::Arena, 1);
+        let scene = Scene::of_world("mine", &arena.world().newest()).expect("it has shapes");
+        let told = |scene: &Scene| scene.items.iter().map(|item| (item.geometry.id(), item.pose)).collect::<Vec<_>>();
+        assert_eq!(told(&scene), told(&arena));
+        assert_eq!(scene.subjects.len(), SUBJECTS_MAX);
+        let still = arena.items.iter().map(|item| Item { mobility: Mobility::Static, ..item.clone() }).collect();
+        let still = Scene { items: still, ..arena };
+        assert_eq!(Scene::of_world("still", &still.world().newest()).expect("it has shapes").subjects.len(), 3);
+        let nothing = Scene { items: Vec::new(), ..still };
+        assert!(Scene::of_world("nothing", &nothing.world().newest()).is_err());
     }
 
     #[test]
