@@ -9,7 +9,7 @@
 //! # Map
 //! `questions` draws, `settings` lists what is tried, `stages` makes the worlds that some settings need, `ask` asks, `audit` holds the exact
 //! answers to the oracle, `judge` compares, `run` does all that; `rows` writes tables, `plot` and `page` draw, `tune` recommends, `needed` tells
-//! what a scene had built.
+//! what a scene had built; `document` writes all of it, with `trades`.
 //!
 //! # Limits
 //! Times are processor times of one thread of this machine, now: compare them within one report only. Counts and errors are the same everywhere.
@@ -27,6 +27,7 @@ mod rows;
 mod run;
 mod settings;
 mod stages;
+mod trades;
 mod tune;
 
 pub use document::{DocumentError, document};
