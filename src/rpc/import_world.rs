@@ -25,7 +25,7 @@ use crate::{
     compute::{self, Weight},
     convert::{archive::Intake, number::time, settings::changed, shape::shape},
     gate::the_api_says,
-    geometries::Geometries,
+    geometries::{Geometries, Quotas},
     problem::{Checked, Problem, Reason, Under, quoted},
     registry::DEFAULT_SETTINGS,
     session::Session,
@@ -132,7 +132,7 @@ impl Import {
     fn begin(home: Option<Home>) -> Self {
         let staging = |home: &Home| home.session.geometries.staging();
         Self {
-            geometries: home.as_ref().map_or_else(|| Geometries::new(u64::MAX), staging),
+            geometries: home.as_ref().map_or_else(|| Geometries::new(Quotas::NONE), staging),
             home,
             chain: Chain::new(),
             header: None,

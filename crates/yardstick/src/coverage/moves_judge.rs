@@ -311,7 +311,7 @@ mod tests {
             question
         };
         let touch = narrow_touch(&from(4.0)).expect("the front is met");
-        assert_eq!(narrow_touch(&from(-4.0)), None, "the back is not");
+        assert!(narrow_touch(&from(-4.0)).is_none(), "the back is not");
         for (height, expected) in [(4.0, vec![FaultKind::Undecided]), (-4.0, vec![])] {
             let open = |found: &mut Option<ImpactTouch>| {
                 let mut touch = touch;
