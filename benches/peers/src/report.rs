@@ -40,7 +40,7 @@ struct Line<'a> {
 pub(crate) fn write_heading(out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
-        "{:<30} {:>8} {:>8} {:>6} {:>6} {:<6} {:>9} {:>9} {:>6} {:>11} {:>11} {:>11} {:>7} {:>8}",
+        "{:<30} {:>8} {:>8} {:>6} {:>6} {:<6} {:>9} {:>9} {:>6} {:>11} {:>11} {:>11} {:>7} {:>8} {:>8}",
         "row",
         "calipers",
         "parry",
@@ -54,7 +54,8 @@ pub(crate) fn write_heading(out: &mut impl Write) -> io::Result<()> {
         "parry p99.9",
         "parry max",
         "timed",
-        "obvhs"
+        "obvhs",
+        "embree"
     )
 }
 
@@ -64,7 +65,7 @@ pub(crate) fn write_outcome(out: &mut impl Write, outcome: &Outcome) -> io::Resu
     let goal = row.goal_over_parry.map_or_else(|| "-".to_owned(), |goal| format!("{goal:.3}"));
     writeln!(
         out,
-        "{:<30} {:>8.0} {:>8.0} {:>6.3} {:>6} {:<6} {:>9.1e} {:>9} {:>5.1}% {:>11} {:>11.1e} {:>11.1e} {:>7} {:>8}",
+        "{:<30} {:>8.0} {:>8.0} {:>6.3} {:>6} {:<6} {:>9.1e} {:>9} {:>5.1}% {:>11} {:>11.1e} {:>11.1e} {:>7} {:>8} {:>8}",
         row.id,
         times.calipers_ns,
         times.parry_ns,
@@ -78,8 +79,13 @@ pub(crate) fn write_outcome(out: &mut impl Write, outcome: &Outcome) -> io::Resu
         errors.peer_error_p999,
         errors.peer_error_max,
         times.operations,
-        times.obvhs_ns.map_or_else(String::new, |time| format!("{time:.0}")),
+        if_known(times.obvhs_ns),
+        if_known(times.embree_ns),
     )
+}
+
+fn if_known(time_ns: Option<f64>) -> String {
+    time_ns.map_or_else(String::new, |time| format!("{time:.0}"))
 }
 
 /// What the columns mean, and how many goals were met.
@@ -118,7 +124,7 @@ mod tests {
             .iter()
             .map(|row| Outcome {
                 row: row.clone(),
-                times: Times { calipers_ns: 100.0, parry_ns: 400.0, obvhs_ns: None, operations: 1000 },
+                times: Times { calipers_ns: 100.0, parry_ns: 400.0, obvhs_ns: None, embree_ns: None, operations: 1000 },
                 errors: Errors { max_error: 0.5, ..Errors::default() },
             })
             .collect();

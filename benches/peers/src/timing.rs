@@ -23,6 +23,8 @@ pub(crate) struct Times {
     pub(crate) parry_ns: f64,
     /// obvhs, nanoseconds, where it does the same.
     pub(crate) obvhs_ns: Option<f64>,
+    /// Embree, nanoseconds, where it does the same and is linked.
+    pub(crate) embree_ns: Option<f64>,
     /// How many operations each repeat had.
     pub(crate) operations: usize,
 }
@@ -44,7 +46,13 @@ pub(crate) fn compare(
         least_parry = least_parry.min(parry(operations));
     }
     let each_ns = |time: Duration| time.as_secs_f64() * 1e9 / operations as f64;
-    Times { calipers_ns: each_ns(least_calipers), parry_ns: each_ns(least_parry), obvhs_ns: None, operations }
+    Times {
+        calipers_ns: each_ns(least_calipers),
+        parry_ns: each_ns(least_parry),
+        obvhs_ns: None,
+        embree_ns: None,
+        operations,
+    }
 }
 
 /// Times work that is one whole on each side, so that it cannot be done in part: `operations` operations each time, fewer
@@ -66,14 +74,30 @@ pub(crate) fn compare_whole(
         spent += time_calipers + time_parry;
     }
     let each_ns = |time: Duration| time.as_secs_f64() * 1e9 / operations as f64;
-    Times { calipers_ns: each_ns(least_calipers), parry_ns: each_ns(least_parry), obvhs_ns: None, operations }
+    Times {
+        calipers_ns: each_ns(least_calipers),
+        parry_ns: each_ns(least_parry),
+        obvhs_ns: None,
+        embree_ns: None,
+        operations,
+    }
 }
 
 impl Times {
     /// With the time of obvhs, which does as many operations as it is told and returns the CPU time that took.
-    pub(crate) fn beside_obvhs(self, mut obvhs: impl FnMut(usize) -> Duration) -> Self {
-        let least = (0..REPEATS).map(|_| obvhs(self.operations)).min().unwrap_or_default();
-        Self { obvhs_ns: Some(least.as_secs_f64() * 1e9 / self.operations as f64), ..self }
+    pub(crate) fn beside_obvhs(self, obvhs: impl FnMut(usize) -> Duration) -> Self {
+        Self { obvhs_ns: Some(self.each_ns(obvhs)), ..self }
+    }
+
+    /// As [`Times::beside_obvhs`], with that of Embree.
+    #[cfg(feature = "embree")]
+    pub(crate) fn beside_embree(self, embree: impl FnMut(usize) -> Duration) -> Self {
+        Self { embree_ns: Some(self.each_ns(embree)), ..self }
+    }
+
+    fn each_ns(&self, mut peer: impl FnMut(usize) -> Duration) -> f64 {
+        let least = (0..REPEATS).map(|_| peer(self.operations)).min().unwrap_or_default();
+        least.as_secs_f64() * 1e9 / self.operations as f64
     }
 }
 
@@ -90,7 +114,7 @@ pub(crate) fn time_of<Made>(work: impl FnOnce() -> Made) -> Duration {
 pub(crate) fn spent<Item, Answer>(items: impl Iterator<Item = Item>, mut ask: impl FnMut(Item) -> Answer) -> Duration {
     let start = thread_time();
     for item in items {
-        black_box(ask(item));
+        black_box(&ask(item));
     }
     thread_time() - start
 }

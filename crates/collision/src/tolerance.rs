@@ -145,6 +145,14 @@ pub const RAY_TURNED_FRAME: f64 = 256.0 * ROUNDING;
 /// rays. Smaller: wrong verdicts. Test: `ray_exact.rs`, `ray_forms.rs`, `ray_rounded.rs` and the ray sets of the data.
 pub const RAY_KERNEL: f64 = 64.0 * ROUNDING;
 
+/// How far a corner seen along a ray may be off in f32, as a part of its distance from the ray's foot: 5 roundings of products that are
+/// at most the distance in all, and 8 are taken, so that those of f64 do not matter. Larger: more triangles are asked in f64. Smaller: a
+/// touch might be passed over. Pinned by `nothing_that_is_touched_is_passed_by` in `narrow/ray/sieve.rs`.
+pub const SIEVE_CORNER: f64 = 4.0 * f32::EPSILON as f64;
+
+/// The same of an area of two such corners, as a part of the square of the larger coordinate: 4 roundings, and 8 are taken.
+pub const SIEVE_AREA: f32 = 4.0 * f32::EPSILON;
+
 /// Where a triangle's plane is met only to within this many times the ray's error, exact sums are used if they can be: at
 /// grazing incidence, and for slivers. Larger: wider intervals (`ray_data.rs` bounds them); smaller: more time. Never a
 /// verdict.

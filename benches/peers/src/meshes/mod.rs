@@ -1,6 +1,8 @@
 //! Part C: triangle meshes, what they cost to build and what their answers cost.
 
 mod dungeon;
+#[cfg(feature = "embree")]
+mod embree;
 mod obvhs;
 mod ours;
 mod parry;
@@ -85,7 +87,10 @@ impl Subject {
             },
         );
         let triangles = obvhs::triangles(&self.workload.mesh);
-        (times.beside_obvhs(|_| time_of(|| obvhs::build(&triangles))), Errors::default())
+        let times = times.beside_obvhs(|_| time_of(|| obvhs::build(&triangles)));
+        #[cfg(feature = "embree")]
+        let times = times.beside_embree(|_| time_of(|| embree::Scene::new(&self.workload.mesh)));
+        (times, Errors::default())
     }
 
     fn raycast(&self) -> (Times, Errors) {
@@ -107,6 +112,11 @@ impl Subject {
         let (ordered, obvhs_rays) = (obvhs::in_order(&tree, &triangles), obvhs::rays(lines));
         let times =
             times.beside_obvhs(|count| spent(obvhs_rays[..count].iter(), |ray| obvhs::raycast(&tree, &ordered, ray)));
+        #[cfg(feature = "embree")]
+        let times = {
+            let (scene, rays) = (embree::Scene::new(&self.workload.mesh), embree::rays(lines));
+            times.beside_embree(|count| spent(rays[..count].iter(), |ray| scene.raycast(ray)))
+        };
         (times, Errors::between(&proofs, &claims))
     }
 

@@ -38,7 +38,7 @@ impl Open {
 }
 
 /// The lane to go on with, which is the nearest; the others are put on a stack so that the nearer ones come off first.
-#[inline]
+#[inline(always)]
 pub(super) fn push_but_nearest(opens: &mut Opens, node: &Node, mut lanes: Lanes, entries: Wide) -> Option<Open> {
     let entries = entries.to_array();
     let open = |lane: usize| Open::new(entries[lane], node.children[lane]);

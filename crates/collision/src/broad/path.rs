@@ -3,19 +3,23 @@
 //! # Method
 //! A path is tested against the box of a cell in f64, restarted where it enters it, and rounded to f32 there; below, eight
 //! boxes are tested at a time. What rounding may shift, the origin and reach once and the direction over the whole length
-//! within the cell, widens the path: Ize's factor alone covers the rounding of the test itself only.
+//! within the cell, widens the path: Ize's factor alone covers the rounding of the test itself only. A path that is known to
+//! be short and near is not tested in f64, which costs as much as two nodes.
 //!
 //! # Source
 //! Slab test: Williams, Barrus, Morley, Shirley, "An Efficient and Robust Ray-Box Intersection Algorithm", 2005, with
 //! the widening of Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
-use glam::{DVec3, Vec4};
+use glam::{DVec3, Vec3A, Vec3Swizzles, Vec4};
 
 use super::{
     node::{Lanes, Node},
     wide::Wide,
 };
-use crate::{math::Aabb, tolerance};
+use crate::{
+    math::{Aabb, larger, smaller},
+    tolerance,
+};
 
 /// The way of a point or of a box: `origin + t * direction` for `t >= 0`, and all points within `reach` of it in each
 /// component.
@@ -103,16 +107,6 @@ fn select(is_first: [bool; 3], first: DVec3, second: DVec3) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|axis| both[usize::from(is_first[axis])][axis]))
 }
 
-/// The larger one; `b` if `a` is NaN.
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// The smaller one; `b` if `a` is NaN.
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
 /// A path within one cell, in f32: `s` counts multiples of its direction from where the cell is entered.
 pub(super) struct LocalPath {
     /// Of each axis: whether a box is entered by its upper plane and left by its lower one.
@@ -120,7 +114,14 @@ pub(super) struct LocalPath {
     /// What is taken from the one and from the other: the origin, moved by the reach and by all that was rounded.
     origin_entered: [Vec4; 3],
     origin_left: [Vec4; 3],
+    /// 1 over the direction. A finite number for 0, so that there is no 0 · ∞: whoever stands in a wall and does not move
+    /// across it has entered at once, whoever stands outside enters beyond any limit.
     inverse: [Vec4; 3],
+    times: Times,
+}
+
+/// How `s` is told from `t`.
+struct Times {
     /// The `t` where `s` is 0, and where the cell is left.
     start: f64,
     end: f64,
@@ -134,31 +135,48 @@ impl LocalPath {
         let (start, end) = line.stay(bounds, limit)?;
         let path = &line.path;
         let (unit, per_unit) = towards_one(path.direction.abs().max_element());
-        let direction = path.direction * unit;
         let origin = path.origin - cell + path.direction * start;
         // It stays in the box, whatever the limit; below, components of the direction are less than 2.
-        let length = (bounds.max - bounds.min + 2.0 * path.reach).max_element().min((end - start) * per_unit * 2.0);
+        let length = (bounds.max - bounds.min + 2.0 * path.reach).max_element();
+        let length = smaller((end - start) * per_unit * 2.0, length);
         let positions = path.origin.abs() + cell.abs() + path.direction.abs() * start;
         let rounded = (origin.abs() + path.reach).max_element() + length;
         let slack = rounded * tolerance::TREE_SLACK + positions.max_element() * tolerance::SLAB_SLACK;
         let reach = path.reach + slack;
-        let (low, high) = (origin - reach, origin + reach);
-        let backwards = line.backwards;
-        let splat = |v: DVec3| v.as_vec3().to_array().map(Vec4::splat);
-        Some(Self {
-            is_backwards: backwards,
-            origin_entered: splat(select(backwards, low, high)),
-            origin_left: splat(select(backwards, high, low)),
-            inverse: direction.as_vec3().to_array().map(inverse),
-            start,
-            end,
-            per_unit,
-        })
+        Some(Self::of(origin, path.direction * unit, reach, Times { start, end, per_unit }))
+    }
+
+    /// Of a path with a unit vector for its direction, whose beginning and end are near the cell compared with its size: `s` is `t`.
+    #[inline]
+    pub(super) fn near(path: Path, cell: DVec3, limit: f64) -> Self {
+        let origin = path.origin - cell;
+        let rounded = (origin.abs() + path.reach).max_element() + limit;
+        let positions = rounded + cell.abs().max_element();
+        let slack = rounded * tolerance::TREE_SLACK + positions * (2.0 * tolerance::SLAB_SLACK);
+        Self::of(origin, path.direction, path.reach + slack, Times { start: 0.0, end: limit, per_unit: 1.0 })
+    }
+
+    /// With a reach that allows for all that is rounded.
+    #[inline]
+    fn of(origin: DVec3, direction: DVec3, reach: DVec3, times: Times) -> Self {
+        // A box is entered by its upper plane where the direction is negative, and −0 counts as that.
+        let forwards = reach.copysign(direction);
+        let splat = |v: Vec3A| [v.xxxx(), v.yyyy(), v.zzzz()];
+        let (least, greatest) = (Vec3A::splat(f32::MIN), Vec3A::splat(f32::MAX));
+        Self {
+            is_backwards: signs(direction),
+            origin_entered: splat((origin + forwards).as_vec3a()),
+            origin_left: splat((origin - forwards).as_vec3a()),
+            inverse: splat(direction.as_vec3a().recip().max(least).min(greatest)),
+            times,
+        }
     }
 
     /// The `s` of a limit, rounded up.
+    #[inline]
     pub(super) fn limit(&self, limit: f64) -> f32 {
-        ((limit.min(self.end) - self.start) * self.per_unit * tolerance::TREE_LIMIT_WIDENING) as f32
+        let Times { start, end, per_unit } = self.times;
+        ((smaller(limit, end) - start) * per_unit * tolerance::TREE_LIMIT_WIDENING) as f32
     }
 
     /// The lanes whose boxes are entered before `limit`, and an `s` at or before which each is.
@@ -177,12 +195,6 @@ impl LocalPath {
         let exit = x.1.min(y.1).min(z.1.min(Wide::splat(limit)));
         (Lanes::of(entry.at_most(exit * Wide::splat(tolerance::TREE_SLAB_WIDENING))), entry)
     }
-}
-
-/// 1 over a component of a direction. A finite number for 0, so that there is no 0 · ∞: whoever stands in a wall and does
-/// not move across it has entered at once, whoever stands outside enters beyond any limit.
-fn inverse(component: f32) -> Vec4 {
-    Vec4::splat(component.recip().clamp(f32::MIN, f32::MAX))
 }
 
 /// A power of two, by which a positive number comes to lie in [1, 2), or as near to it as a normal factor brings it; and what undoes it.

@@ -17,7 +17,7 @@ use super::{
     node::{Child, Lanes, NO_NODE, Node, Target},
     open::{Open, Opens, push_but_nearest, push_in_order},
     pairs::each_pair,
-    path::{Line, LocalPath},
+    path::{Line, LocalPath, Path},
     wide::Wide,
 };
 use crate::{answer::Work, math::Aabb, tolerance};
@@ -43,6 +43,9 @@ impl Toll for Work {
         Ok(())
     }
 }
+
+/// What a search along a path does with a leaf: it returns the new limit.
+type Visit<'a, T> = dyn FnMut(&mut T, u32) -> Result<f64, <T as Toll>::Stop> + 'a;
 
 /// Every layer: nothing is passed over because of those it is on.
 pub const ALL_LAYERS: u32 = u32::MAX;
@@ -77,6 +80,18 @@ pub trait Tree {
         toll: &mut T,
         visit: impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
     ) -> Result<(), T::Stop>;
+
+    /// As [`Tree::visit_ray`], for a path with a unit vector for its direction, whose beginning and end, at `limit`, are not much
+    /// farther from the tree than the tree is wide. Of another path more leaves are visited than need be. Errors are those.
+    fn visit_near_ray<T: Toll>(
+        &self,
+        path: Path,
+        limit: f64,
+        toll: &mut T,
+        visit: impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
+    ) -> Result<(), T::Stop> {
+        self.visit_ray(&Line::new(&path), limit, ALL_LAYERS, toll, visit)
+    }
 
     /// Visits every leaf whose box is within `limit` metres of `query` (and maybe others), nearest node first. The
     /// visitor returns the new limit; −∞ ends the search. A limit above the old one has no effect.
@@ -155,6 +170,27 @@ impl<R: Rooted> Tree for R {
             limit = follow(forest, cell, line, limit, layers, toll, &mut visit)?;
         }
         Ok(())
+    }
+
+    fn visit_near_ray<T: Toll>(
+        &self,
+        path: Path,
+        limit: f64,
+        toll: &mut T,
+        mut visit: impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
+    ) -> Result<(), T::Stop> {
+        let forest = self.forest();
+        match forest.cells.as_slice() {
+            [cell] if cell.root != NO_NODE && self.listed().next().is_none() => {
+                let local = LocalPath::near(path, cell.origin, limit);
+                descend(forest, cell, &local, limit, ALL_LAYERS, toll, &mut visit).map(|_| ())
+            }
+            // So rare that the search need not be compiled into this one as well.
+            _ => {
+                let visit: &mut Visit<'_, T> = &mut visit;
+                self.visit_ray(&Line::new(&path), limit, ALL_LAYERS, toll, visit)
+            }
+        }
     }
 
     fn visit_nearest<T: Toll>(
@@ -246,7 +282,7 @@ fn follow<T: Toll, N: Nodes>(
     forest: &Forest<N>,
     cell: &Cell,
     line: &Line,
-    mut limit: f64,
+    limit: f64,
     layers: u32,
     toll: &mut T,
     visit: &mut impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
@@ -254,9 +290,23 @@ fn follow<T: Toll, N: Nodes>(
     if cell.root == NO_NODE {
         return Ok(limit);
     }
-    let Some(path) = LocalPath::new(line, &cell.bounds, cell.origin, limit) else {
-        return Ok(limit);
-    };
+    match LocalPath::new(line, &cell.bounds, cell.origin, limit) {
+        Some(path) => descend(forest, cell, &path, limit, layers, toll, visit),
+        None => Ok(limit),
+    }
+}
+
+/// The same in the numbers of the cell.
+#[inline]
+fn descend<T: Toll, N: Nodes>(
+    forest: &Forest<N>,
+    cell: &Cell,
+    path: &LocalPath,
+    mut limit: f64,
+    layers: u32,
+    toll: &mut T,
+    visit: &mut impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
+) -> Result<f64, T::Stop> {
     let mut local_limit = path.limit(limit);
     let mut stack: Opens = Opens::new();
     let mut next = Some(Open::new(0.0, Child::node(cell.root)));

@@ -2,6 +2,9 @@
 
 use glam::DVec3;
 
+use super::Norm;
+use crate::tolerance::LENGTH_WIDENING;
+
 /// An axis-aligned box: closed, `min <= max` in each component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
@@ -9,6 +12,15 @@ pub struct Aabb {
     pub min: DVec3,
     /// Upper corner, metres.
     pub max: DVec3,
+}
+
+/// A ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Its middle, metres.
+    pub center: DVec3,
+    /// What it stands for lies within this of the middle, metres.
+    pub radius: f64,
 }
 
 impl Aabb {
@@ -46,6 +58,15 @@ impl Aabb {
     #[must_use]
     pub fn center(self) -> DVec3 {
         self.min * 0.5 + self.max * 0.5
+    }
+
+    /// The ball around it.
+    #[inline]
+    #[must_use]
+    pub fn ball(self) -> Ball {
+        let center = self.center();
+        let half = (self.max - center).max(center - self.min);
+        Ball { center, radius: half.norm() * LENGTH_WIDENING }
     }
 
     /// Half of the surface area: what the surface-area heuristic compares.

@@ -20,13 +20,17 @@ pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// `a + b` of each component as a rounded sum and its exact error.
+#[inline]
 #[must_use]
 pub fn exact_sum(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
-    let parts = [0, 1, 2].map(|axis| two_sum(a[axis], b[axis]));
-    (DVec3::from_array(parts.map(|(sum, _)| sum)), DVec3::from_array(parts.map(|(_, error)| error)))
+    let sum = a + b;
+    let b_part = sum - a;
+    let a_part = sum - b_part;
+    (sum, (a - a_part) + (b - b_part))
 }
 
 /// `a - b` of each component as a rounded difference and its exact error.
+#[inline]
 #[must_use]
 pub fn exact_difference(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
     exact_sum(a, -b)

@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     broad::{ALL_LAYERS, StaticTree},
-    math::{Aabb, expansion::ExactVector},
+    math::{Aabb, Ball, expansion::ExactVector},
 };
 
 /// Triangles, and which side of them is matter.
@@ -30,6 +30,8 @@ pub struct Mesh {
     /// The number each triangle was sent with; empty if none was left out before it.
     sent_numbers: Vec<u32>,
     bounds: Aabb,
+    /// Around that box.
+    ball: Ball,
     triangles_sent: usize,
     merged_vertices: usize,
     adjacency: Lazy<Adjacency>,
@@ -85,6 +87,7 @@ impl Mesh {
             triangles: Vec::with_capacity(triangles.len()),
             sent_numbers: Vec::new(),
             bounds: around(&[]),
+            ball: around(&[]).ball(),
             triangles_sent,
             merged_vertices,
             adjacency: Lazy::default(),
@@ -116,6 +119,7 @@ impl Mesh {
             mesh.sent_numbers = Vec::new();
         }
         mesh.bounds = around(&mesh.vertices);
+        mesh.ball = mesh.bounds.ball();
         mesh
     }
 
@@ -128,6 +132,11 @@ impl Mesh {
     /// The same.
     pub(super) fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    /// The ball around that box.
+    pub(crate) fn ball(&self) -> Ball {
+        self.ball
     }
 
     /// The same with convex parts.

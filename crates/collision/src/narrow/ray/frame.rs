@@ -4,12 +4,14 @@
 //! Positions are differenced in the world and turned into the target's axes. Distances are then counted from the foot:
 //! the point of the line nearest to the target's centre, so that a far origin costs its own rounding and no more.
 
+use std::ops::RangeInclusive;
+
 use glam::{DMat3, DVec3};
 
-use super::Ray;
+use super::{Ray, sieve::Sieve};
 use crate::{
     broad::Path,
-    math::{Norm, Pose, exact::exact_difference, expansion, scaled_by_power_of_two},
+    math::{Ball, Norm, Pose, exact::exact_difference, expansion, larger, scaled_by_power_of_two, smaller},
     shape::Geometry,
     tolerance,
 };
@@ -35,12 +37,18 @@ impl Target {
 
     /// Seen from the middle of its box.
     pub(super) fn about_center(geometry: &Geometry, blur: f64) -> Self {
-        let bounds = geometry.local_bounds();
-        let center = bounds.center();
-        let half = (bounds.max - center).max(center - bounds.min);
-        Self { center, radius: half.norm() * tolerance::LENGTH_WIDENING, reach: geometry.reach(), blur }
+        Self::within(geometry.local_bounds().ball(), geometry.reach(), blur)
+    }
+
+    /// Seen from the middle of a ball that holds it.
+    #[inline]
+    pub(super) fn within(Ball { center, radius }: Ball, reach: f64, blur: f64) -> Self {
+        Self { center, radius, reach, blur }
     }
 }
+
+/// A direction whose largest component is in here is divided by its length as it is.
+const NEAR_ONE: RangeInclusive<f64> = 1.0 / 1024.0..=1024.0;
 
 /// A ray with what of it is the same for all targets.
 pub(crate) struct Aim<'a> {
@@ -53,8 +61,11 @@ pub(crate) struct Aim<'a> {
 
 impl<'a> Aim<'a> {
     /// Makes a ray ready.
+    #[inline]
     pub(crate) fn new(ray: &'a Ray) -> Self {
-        let scaled = scaled_by_power_of_two(ray.direction);
+        // Times 1, which need not be waited for, where that does.
+        let is_near_one = NEAR_ONE.contains(&ray.direction.abs().max_element());
+        let scaled = if is_near_one { ray.direction } else { scaled_by_power_of_two(ray.direction) };
         Self { ray, scaled, unit: scaled / scaled.norm() }
     }
 }
@@ -79,13 +90,22 @@ pub(super) struct LocalRay {
     pub first: f64,
     /// Nor do touches farther than this, a distance that touches surely do not reach where the ray is endless.
     pub last: f64,
-    /// The ray without any rounding, where the target is not turned and the difference of positions is exact.
-    pub exact: Option<ExactRay>,
-    /// For each axis: the ray does not move along it, and its coordinate is exact.
-    pub still: [bool; 3],
+    sent: Sent,
     center: DVec3,
     /// From the target's axes to the world's; `None` if it is not turned.
     axes: Option<DMat3>,
+}
+
+/// A ray as sent, in the axes of the world.
+#[derive(Clone, Copy, Debug)]
+struct Sent {
+    /// Where it begins, seen from the target's position, and what that lost by rounding.
+    origin: DVec3,
+    lost: DVec3,
+    /// Its direction times a power of two.
+    direction: DVec3,
+    /// Whether the target is neither turned nor blurred, so that these axes are its own.
+    is_in_frame: bool,
 }
 
 /// A ray in the target's frame as sent, exactly.
@@ -98,6 +118,7 @@ pub(super) struct ExactRay {
 }
 
 impl LocalRay {
+    #[inline(always)]
     pub(super) fn new(aim: &Aim<'_>, pose: &Pose, target: Target) -> Self {
         let Aim { ray, scaled, unit } = *aim;
         let (difference, lost) = exact_difference(ray.origin, pose.position);
@@ -110,19 +131,15 @@ impl LocalRay {
                 (to_local * difference, to_local * unit, error, tolerance::RAY_TURNED_DIRECTION)
             }
             None => {
-                let error = lost.norm() * tolerance::LENGTH_WIDENING;
+                let error = if lost == DVec3::ZERO { 0.0 } else { lost.norm() * tolerance::LENGTH_WIDENING };
                 (difference, unit, error, tolerance::RAY_DIRECTION)
             }
         };
         let from_center = origin - target.center;
         let shift = -from_center.dot(direction);
         let extent = from_center.norm() + target.radius;
-        let exact = ExactRay { origin, direction: scaled };
         let is_blurred = target.blur > 0.0;
         let lean = if is_blurred { tolerance::PART_LEAN } else { 0.0 };
-        let is_still = |axis: usize| {
-            !turned && !is_blurred && scaled[axis] == 0.0 && lost[axis] == 0.0 && target.center[axis] == 0.0
-        };
         Self {
             foot: from_center + direction * shift,
             direction,
@@ -132,27 +149,52 @@ impl LocalRay {
             direction_error: direction_error + lean,
             extent,
             first: ray.min_distance,
-            last: ray.max_distance.min((shift + 2.0 * extent).max(ray.min_distance)),
-            exact: (!turned && !is_blurred && lost == DVec3::ZERO && exact.is_in_range()).then_some(exact),
-            still: [0, 1, 2].map(is_still),
+            last: smaller(ray.max_distance, larger(shift + 2.0 * extent, ray.min_distance)),
+            sent: Sent { origin: difference, lost, direction: scaled, is_in_frame: !turned && !is_blurred },
             center: target.center,
             axes,
         }
     }
 
+    /// The ray without any rounding, where the target is not turned and the difference of positions is exact.
+    pub(super) fn exact(&self) -> Option<ExactRay> {
+        let Sent { origin, lost, direction, is_in_frame } = self.sent;
+        let exact = ExactRay { origin, direction };
+        (is_in_frame && lost == DVec3::ZERO && exact.is_in_range()).then_some(exact)
+    }
+
+    /// Whether the ray does not move along an axis, and its coordinate is exact.
+    pub(super) fn is_still(&self, axis: usize) -> bool {
+        let Sent { lost, direction, is_in_frame, .. } = self.sent;
+        is_in_frame && direction[axis] == 0.0 && lost[axis] == 0.0 && self.center[axis] == 0.0
+    }
+
     /// Whether it surely passes a ball about the centre.
     pub(super) fn passes_ball(&self, radius: f64) -> bool {
-        self.foot.norm() * tolerance::SLAB_NARROWING > radius + self.error
+        let closest = radius + self.error;
+        // Beside a normal number the rounding of squares that are subnormal is nothing.
+        let foot_sq = self.foot.length_squared() * (tolerance::SLAB_NARROWING * tolerance::SLAB_NARROWING);
+        foot_sq > closest * closest + f64::MIN_POSITIVE
+    }
+
+    /// Tells triangles that it passes by, of a target whose ball it comes within; with two unit vectors at right angles to it.
+    #[inline]
+    pub(super) fn sieve(&self, target: &Target, across: [DVec3; 2]) -> Sieve {
+        let reach = 2.0 * (target.radius + self.error);
+        // The foot and the corners, seen from the local origin, are rounded as well.
+        let lost = (self.center.abs().max_element() + reach) * tolerance::SLAB_SLACK;
+        Sieve::new(self.center + self.foot, across, reach, self.error + lost)
     }
 
     /// The part of it within a ball about the centre, and between where touches count; `None` if there is none.
+    #[inline]
     pub(super) fn stretch(&self, radius: f64) -> Option<Stretch> {
         if self.passes_ball(radius) {
             return None;
         }
         let around = radius + 2.0 * self.error;
-        let begin = (self.first - self.shift).max(-around);
-        let end = (self.last - self.shift).min(around);
+        let begin = larger(self.first - self.shift, -around);
+        let end = smaller(self.last - self.shift, around);
         let path = Path {
             origin: self.center + (self.foot + self.direction * begin),
             direction: self.direction,
@@ -188,7 +230,7 @@ pub(super) struct Stretch {
     /// Metres.
     pub length: f64,
     /// How far along the ray it begins, less what that may be off by.
-    before: f64,
+    pub before: f64,
 }
 
 impl Stretch {

@@ -14,13 +14,13 @@ use smallvec::SmallVec;
 use super::{
     Aim, Faces, RayTouch, RayTouches,
     crossing::certificate,
-    frame::{LocalRay, Target},
+    frame::{LocalRay, Stretch, Target},
     surface::Surface,
     triangle::{Meeting, Sight, Sign, View, normal},
 };
 use crate::{
     answer::{Bound, Feature, Verdict, Work},
-    broad::{ALL_LAYERS, Line, Tree},
+    broad::Tree,
     math::Pose,
     narrow::place::Place,
     shape::Geometry,
@@ -45,33 +45,35 @@ pub(super) fn touches<S: Surface>(
     place: &Place,
     work: &mut Work,
 ) -> RayTouches {
-    let center = Target::about_center(geometry, place.blur);
+    let center = Target::within(mesh.ball(), geometry.reach(), place.blur);
     let local = LocalRay::new(aim, &place.pose, center);
-    let Some(stretch) = local.stretch(center.radius) else {
+    let Some(Stretch { path, length, before }) = local.stretch(center.radius) else {
         return RayTouches::default();
     };
     let sight = Sight::new(&local, center.center);
+    let sieve = local.sieve(&center, sight.across);
     let mut found = Found::default();
-    let Ok(()) = mesh.tree().visit_ray(&Line::new(&stretch.path), stretch.length, ALL_LAYERS, work, |work, leaf| {
+    let Ok(()) = mesh.tree().visit_near_ray(path, length, work, |work, leaf| {
         work.pairs_tested += 1;
         work.iterations += 1;
-        found.offer(candidate(&sight, mesh, leaf as usize, aim.ray.faces));
-        Ok::<f64, Infallible>(stretch.limit(found.limit))
+        if !sieve.passes(mesh.corners(leaf as usize)) {
+            found.offer(candidate(&sight, mesh, leaf as usize, aim.ray.faces));
+        }
+        // No farther along the path than what is no farther along the ray.
+        Ok::<f64, Infallible>(found.limit - before)
     });
     found.touches(&local, mesh, &place.pose)
 }
 
-/// What is known of the ray and one triangle; `None` if it is surely not touched.
+/// What is known of the ray and one triangle; `None` if it is surely not touched. Not in line, so that triangles that are passed by need
+/// no memory for those that are not.
+#[inline(never)]
 fn candidate<S: Surface>(sight: &Sight<'_>, mesh: &S, triangle: usize, faces: Faces) -> Option<Candidate> {
     let corners = mesh.corners(triangle);
-    if sight.passes(corners) {
+    let (view, meeting) = sight.look(corners)?;
+    if is_culled(view, faces) {
         return None;
     }
-    let view = sight.view(corners);
-    if view.is_missed() || is_culled(view, faces) {
-        return None;
-    }
-    let meeting = sight.meeting(corners);
     let (meeting, is_crossed) = if view.is_hit() {
         (meeting, true)
     } else {
@@ -136,7 +138,7 @@ fn patch_meeting<S: Surface>(sight: &Sight<'_>, mesh: &S, seed: usize, view: Vie
     let bounds = patch
         .iter()
         .filter(|(_, view)| !view.is_missed())
-        .map(|&(triangle, _)| sight.meeting(mesh.corners(triangle)).bound);
+        .map(|&(triangle, _)| sight.meeting_of_neighbour(mesh.corners(triangle)));
     bounds.reduce(|a, b| Bound::new(a.lower.min(b.lower), a.upper.max(b.upper)))
 }
 
@@ -185,6 +187,17 @@ impl Found {
 
     /// The first by its best value; where others cannot be told from it (they share an edge there), the least number.
     fn touches<S: Surface>(&self, local: &LocalRay, mesh: &S, pose: &Pose) -> RayTouches {
+        match self.candidates.as_slice() {
+            [] => return RayTouches::default(),
+            [only] => {
+                let touch = Some(touch(local, mesh, pose, *only, only.bound));
+                return match only.verdict {
+                    Verdict::Hit => RayTouches { certain: touch, undecided: None },
+                    Verdict::Undecided | Verdict::Miss => RayTouches { certain: None, undecided: touch },
+                };
+            }
+            _ => {}
+        }
         let pick = |verdict: Verdict| {
             let those = || self.candidates.iter().filter(move |candidate| candidate.verdict == verdict);
             let first = those().min_by(|a, b| {

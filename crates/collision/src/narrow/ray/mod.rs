@@ -22,6 +22,7 @@ mod nearest;
 mod polytope;
 mod round;
 mod rounded;
+mod sieve;
 mod solid;
 mod stretch;
 mod surface;

@@ -26,7 +26,7 @@ pub(super) fn cuboid(ray: &LocalRay, half_extents: DVec3) -> Option<Crossing> {
     let (mut entry, mut exit) = (First::new(), First::new());
     let mut certain = true;
     for axis in 0..3 {
-        let error = if ray.still[axis] { 0.0 } else { ray.error };
+        let error = if ray.is_still(axis) { 0.0 } else { ray.error };
         let (direction, foot, half) = (ray.direction[axis], ray.foot[axis], half_extents[axis]);
         let speed = direction.abs();
         let sign = 1.0_f64.copysign(direction);

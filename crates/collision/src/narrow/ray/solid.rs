@@ -47,7 +47,7 @@ pub(super) fn touches(
 
 /// Where the point is from which on touches count.
 fn beginning(local: &LocalRay, mesh: &Mesh, work: &mut Work) -> Containment {
-    match local.exact {
+    match local.exact() {
         Some(exact) if local.first == 0.0 => mesh.contains(exact.origin, work),
         _ => mesh.contains_ball(local.point_at(local.first), 2.0 * local.error, work),
     }

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::triangle;
 use crate::{
     broad::{StaticTree, Tree},
+    math::Ball,
     shape::{HeightField, Mesh},
 };
 
@@ -12,6 +13,9 @@ use crate::{
 pub(super) trait Surface {
     /// The tree.
     type Tree: Tree;
+
+    /// Holds all of it, local frame.
+    fn ball(&self) -> Ball;
 
     /// Its leaves are triangles.
     fn tree(&self) -> &Self::Tree;
@@ -31,6 +35,10 @@ pub(super) trait Surface {
 
 impl Surface for Mesh {
     type Tree = StaticTree;
+
+    fn ball(&self) -> Ball {
+        self.ball()
+    }
 
     fn tree(&self) -> &StaticTree {
         self.tree()
@@ -58,6 +66,10 @@ impl Surface for Mesh {
 
 impl Surface for HeightField {
     type Tree = Self;
+
+    fn ball(&self) -> Ball {
+        self.ball()
+    }
 
     fn tree(&self) -> &Self {
         self

@@ -32,7 +32,7 @@ use super::{
     lazy::Lazy,
     limits::{AXES, GeometryError, Limits, check_size, is_size, out_of_limits},
 };
-use crate::math::Aabb;
+use crate::math::{Aabb, Ball};
 
 /// A terrain over a grid, with matter below.
 #[derive(Debug)]
@@ -125,6 +125,11 @@ impl HeightField {
     /// Its box: exact.
     pub(super) fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    /// The ball around that.
+    pub(crate) fn ball(&self) -> Ball {
+        self.bounds.ball()
     }
 
     /// The same samples `scale` times as far from each other and as high; they are shared.
