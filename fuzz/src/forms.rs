@@ -4,10 +4,13 @@ use collision::{
     DVec3,
     math::Pose,
     narrow::Placed,
-    shape::{Convex, Core, Form, Geometry, GeometryError, Limits},
+    shape::{Convex, Core, Form, Geometry, GeometryError, Limits, MeshMode},
 };
 
-use crate::numbers::{Numbers, vector_code};
+use crate::{
+    concave,
+    numbers::{Numbers, vector_code},
+};
 
 /// A form and the code that makes it.
 #[derive(Clone)]
@@ -32,6 +35,25 @@ impl Made {
             Form::Convex(convex) => Some(convex),
             Form::Mesh(_) | Form::HalfSpace(_) | Form::Compound(_) | Form::HeightField(_) => None,
         }
+    }
+
+    /// Whether it is made of pieces: a mesh, a compound or a height field.
+    #[must_use]
+    pub fn is_concave(&self) -> bool {
+        matches!(self.geometry.form(), Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_))
+    }
+
+    /// Whether some mesh in it is of such a mode.
+    #[must_use]
+    pub fn has_mode(&self, is_such: fn(MeshMode) -> bool) -> bool {
+        fn has(geometry: &Geometry, is_such: fn(MeshMode) -> bool) -> bool {
+            match geometry.form() {
+                Form::Mesh(mesh) => is_such(mesh.mode()),
+                Form::Compound(compound) => compound.parts().iter().any(|part| has(&part.geometry, is_such)),
+                Form::Convex(_) | Form::HalfSpace(_) | Form::HeightField(_) => false,
+            }
+        }
+        has(&self.geometry, is_such)
     }
 
     /// Whether there is a radius around its core.
@@ -67,8 +89,21 @@ pub fn form(numbers: &mut Numbers<'_>) -> Option<Made> {
     Some(Made { geometry: geometry.ok()?, code: code + ".unwrap()" })
 }
 
-fn plain(numbers: &mut Numbers<'_>) -> (Result<Geometry, GeometryError>, String) {
-    match numbers.below(16) {
+/// What a constructor returns, and the code that calls it.
+pub type Constructed = (Result<Geometry, GeometryError>, String);
+
+fn plain(numbers: &mut Numbers<'_>) -> Constructed {
+    match numbers.below(20) {
+        16 | 17 => concave::compound(numbers, Limits::COMPOUND_DEPTH),
+        18 => concave::height_field(numbers),
+        _ if numbers.left() == 0 => (Ok(Geometry::point()), "Ok(Geometry::point())".into()),
+        kind => convex_or_mesh(numbers, kind),
+    }
+}
+
+/// A form of a kind below 16 that holds no other; beyond, a hull.
+pub fn convex_or_mesh(numbers: &mut Numbers<'_>, kind: usize) -> Constructed {
+    match kind {
         0 => (Ok(Geometry::point()), "Ok(Geometry::point())".into()),
         1 => {
             let radius = numbers.size();
@@ -99,7 +134,7 @@ fn plain(numbers: &mut Numbers<'_>) -> (Result<Geometry, GeometryError>, String)
                 (if numbers.byte() & 1 == 0 { numbers.direction() } else { numbers.vector() }, numbers.number());
             (Geometry::half_space(normal, offset), format!("Geometry::half_space({}, {offset:?})", vector_code(normal)))
         }
-        11 | 12 => mesh(numbers),
+        11 | 12 => concave::mesh(numbers),
         _ => {
             let points = points(numbers, 24);
             (Geometry::hull(&points), format!("Geometry::hull(&{})", points_code(&points)))
@@ -112,21 +147,6 @@ fn plain(numbers: &mut Numbers<'_>) -> (Result<Geometry, GeometryError>, String)
 pub fn points_code(points: &[DVec3]) -> String {
     let points: Vec<String> = points.iter().map(|&point| vector_code(point)).collect();
     format!("[{}]", points.join(", "))
-}
-
-fn mesh(numbers: &mut Numbers<'_>) -> (Result<Geometry, GeometryError>, String) {
-    let vertices = points(numbers, 12);
-    let triangles: Vec<[u32; 3]> = match numbers.below(3) {
-        0 => (2..vertices.len() as u32).map(|last| [0, last - 1, last]).collect(),
-        1 => (2..vertices.len() as u32).map(|last| [last - 2, last - 1, last]).collect(),
-        _ => {
-            let count = 1 + numbers.below(16);
-            let mut corner = || numbers.below(vertices.len().min(256)) as u32;
-            (0..count).map(|_| [corner(), corner(), corner()]).collect()
-        }
-    };
-    let code = format!("Geometry::mesh(&{}, &{triangles:?})", points_code(&vertices));
-    (Geometry::mesh(&vertices, &triangles), code)
 }
 
 /// From 1 to about `most` points: free ones and such as make degenerate hulls.

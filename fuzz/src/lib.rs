@@ -1,6 +1,7 @@
 //! What the fuzz targets do with bytes: forms, poses and questions with a taste for extremes, and the laws that every
 //! answer obeys. A law that is broken panics with the numbers as code, to be pasted into a test.
 
+mod concave;
 pub mod forms;
 pub mod hulls;
 pub mod numbers;

@@ -11,6 +11,7 @@ use collision::{
     accuracy::{Accuracy, Tier},
     math::Pose,
     narrow::Placed,
+    shape::MeshMode,
 };
 
 use crate::{
@@ -92,9 +93,13 @@ impl Case {
         self.a.geometry.id() == self.b.geometry.id() && self.pose_a == self.pose_b
     }
 
-    fn has_mesh(&self) -> bool {
-        let is_mesh = |made: &Made| matches!(made.geometry.form(), collision::shape::Form::Mesh(_));
-        is_mesh(&self.a) || is_mesh(&self.b)
+    fn is_concave(&self) -> bool {
+        self.a.is_concave() || self.b.is_concave()
+    }
+
+    /// Whether some mesh is of such a mode.
+    fn has_mode(&self, is_such: fn(MeshMode) -> bool) -> bool {
+        self.a.has_mode(is_such) || self.b.has_mode(is_such)
     }
 
     /// Reaches and distance, metres: what rounding is relative to.

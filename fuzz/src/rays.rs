@@ -8,7 +8,7 @@ use collision::{
     answer::{Bound, Verdict, Work},
     math::{Pose, exact::two_sum},
     narrow::{self, Faces, InitialTouch, Motion, Placed, Ray, RayTouch, RayTouches},
-    shape::{Form, Geometry},
+    shape::{Form, Geometry, MeshMode},
 };
 
 use crate::{
@@ -109,6 +109,11 @@ impl Case {
         Some(Self { form, pose, ray, accuracy })
     }
 
+    /// Whether some of its triangles let a ray through from behind.
+    fn is_one_sided(&self) -> bool {
+        self.form.has_mode(|mode| mode == MeshMode::OneSided)
+    }
+
     fn target(&self) -> Placed<'_> {
         self.form.at(self.pose)
     }
@@ -132,7 +137,8 @@ impl Case {
     }
 
     fn is_sound(&self, touches: &RayTouches, ray: &Ray) {
-        let has_inside = !matches!(self.form.geometry.form(), Form::Mesh(_));
+        let is_surface = matches!(self.form.geometry.form(), Form::Mesh(mesh) if mesh.mode() != MeshMode::Solid);
+        let has_inside = !is_surface;
         for (touch, verdict) in [(touches.certain, Verdict::Hit), (touches.undecided, Verdict::Undecided)] {
             let Some(touch) = touch else { continue };
             let bound = touch.certificate.bound;
@@ -221,6 +227,9 @@ impl Case {
     /// From an exact point beyond the touch, the same line meets something on its way back.
     fn back_again(&self, touches: &RayTouches) {
         let Some(touch) = touches.certain else { return };
+        if self.is_one_sided() {
+            return;
+        }
         let Some((end, length)) = self.beyond(touch.certificate.bound.upper) else { return };
         let ray = Ray {
             origin: end,
@@ -265,7 +274,7 @@ impl Case {
     /// A point that moves along the ray touches when the ray does.
     fn as_a_moving_point(&self, touches: &RayTouches) {
         let (Some(touch), None) = (touches.certain, touches.undecided) else { return };
-        if self.ray.min_distance > 0.0 || self.ray.hollow {
+        if self.ray.min_distance > 0.0 || self.ray.hollow || self.is_one_sided() {
             return;
         }
         let Some((end, length)) = self.beyond(touch.certificate.bound.upper) else { return };
@@ -293,7 +302,7 @@ impl Case {
             "a point {found:?}, the ray {touch:?}"
         );
         // The plane of a triangle is felt by a point, not by a ray that lies in it.
-        if found.certificate.verdict == Verdict::Hit && !matches!(self.form.geometry.form(), Form::Mesh(_)) {
+        if found.certificate.verdict == Verdict::Hit && !self.form.is_concave() {
             let meet = bound.upper * length >= touch.certificate.bound.lower - slack;
             law!(self, meet, "a point {found:?}, the ray {touch:?}");
         }

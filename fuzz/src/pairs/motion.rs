@@ -5,6 +5,7 @@ use collision::{
     answer::{Bound, Verdict, Work},
     math::Pose,
     narrow::{self, ImpactTouch, InitialTouch, Motion, Placed},
+    shape::MeshMode,
 };
 
 use super::Case;
@@ -79,7 +80,7 @@ impl Moving<'_> {
         law!(self, !found.initial || bound.lower == 0.0, "impact: {found:?}");
         let most = 64 * u64::from(self.case.accuracy.budget) + 65_536;
         let iterations = u64::from(found.certificate.iterations);
-        law!(self, self.case.has_mesh() || iterations <= most, "impact: {iterations} iterations: {found:?}");
+        law!(self, self.case.is_concave() || iterations <= most, "impact: {iterations} iterations: {found:?}");
         if found.certificate.verdict == Verdict::Hit {
             // At the end of the interval the two surely touch, but for the rounding of the poses there.
             let gap = self.distance_at(bound.upper);
@@ -89,7 +90,9 @@ impl Moving<'_> {
 
     /// Before the interval, or all the way, nothing is deeper in the other than rounding.
     fn way_is_free(&self, found: Option<&ImpactTouch>) {
-        if self.motion.initial == InitialTouch::IsIgnored {
+        // What comes through the back of a surface that is felt from one side is passed over, and is in it then.
+        let is_passed_over = self.case.has_mode(|mode| mode == MeshMode::OneSided);
+        if self.motion.initial == InitialTouch::IsIgnored || is_passed_over {
             return;
         }
         let end = found.map_or(1.0, |found| found.certificate.bound.lower);
@@ -144,7 +147,7 @@ impl Moving<'_> {
         let (a, b) = (self.case.b(), self.case.a());
         let back = narrow::impact(a, b, &motion, &self.case.accuracy, &mut Work::default());
         let key = |found: &ImpactTouch| (found.fraction, found.certificate.bound, found.certificate.verdict);
-        if self.case.has_mesh() {
+        if self.case.is_concave() {
             // Of which mesh the triangles are looked through first decides what is left open, never what is proved.
             let free = Bound::new(1.0f64.next_up(), f64::INFINITY);
             let bounds = [found, back.as_ref()].map(|touch| touch.map_or(free, |touch| touch.certificate.bound));

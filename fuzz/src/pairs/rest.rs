@@ -5,6 +5,7 @@ use collision::{
     accuracy::{Accuracy, Tier},
     answer::{Bound, Certificate, Method, Stop, Verdict, Work},
     narrow::{self, Contact, ContactPoint, Depth, Separation},
+    shape::MeshMode,
 };
 
 use super::{Case, shown};
@@ -74,7 +75,7 @@ impl Known {
     /// Intervals of the signed distance have a common value, and verdicts do not contradict them.
     fn agree(&self, case: &Case) {
         let Some(distance) = &self.distance else { panic!("BROKEN no limit but no distance\n{case}") };
-        let is_convex = !case.has_mesh();
+        let is_convex = !case.is_concave();
         let gap = distance.certificate.bound;
         let mut intervals = vec![("distance", from_distance(gap)), ("overlap", self.overlap.bound)];
         intervals.extend(self.limited.map(|found| ("limited distance", from_distance(found.certificate.bound))));
@@ -104,7 +105,9 @@ impl Known {
         }
         let beyond = |limit: f64| upper > limit || lower > limit;
         law!(case, self.limited.is_some() || beyond(case.limit), "proved beyond the limit, but {intervals:?}");
-        if self.can_have_contacts && self.contacts.is_empty() {
+        // Triangles that are felt from one side leave contacts out.
+        let has_sides = case.has_mode(|mode| mode != MeshMode::TwoSided);
+        if self.can_have_contacts && !has_sides && self.contacts.is_empty() {
             law!(case, beyond(case.max_gap), "no contact, but {intervals:?}");
         }
         if is_convex {
@@ -125,7 +128,7 @@ fn is_sound(case: &Case, question: &str, certificate: &Certificate) {
     law!(case, bound.lower <= bound.upper || bound.upper.abs() < NOTHING, "{question}: {certificate:?}");
     let most = 4 * u64::from(case.accuracy.budget) + 2048;
     // A mesh counts those of all its triangles, separating axes are counted one by one and not by the budget.
-    let is_counted = !case.has_mesh() && certificate.method != Method::SeparatingAxes;
+    let is_counted = !case.is_concave() && certificate.method != Method::SeparatingAxes;
     law!(
         case,
         !is_counted || u64::from(iterations) <= most,
@@ -139,8 +142,10 @@ fn is_sound(case: &Case, question: &str, certificate: &Certificate) {
             law!(case, verdict != Verdict::Hit || bound.lower <= 0.0, "{question}: {certificate:?}");
             law!(case, verdict != Verdict::Miss || bound.upper >= 0.0, "{question}: {certificate:?}");
         }
+        // Of pieces it may be open whether they touch, and sure how deep they are along the normal of the surface if they do.
         "depth" | "penetration" => {
-            law!(case, verdict != Verdict::Undecided || contains(0.0), "{question}: {certificate:?}");
+            let is_open = verdict == Verdict::Undecided && !case.is_concave();
+            law!(case, !is_open || contains(0.0), "{question}: {certificate:?}");
         }
         "within" => law!(case, verdict != Verdict::Undecided || contains(case.margin), "{question}: {certificate:?}"),
         _ => law!(case, bound.lower >= 0.0, "{question}: {certificate:?}"),
@@ -176,8 +181,10 @@ fn separation(case: &Case, found: &Separation) {
     law!(case, found.point_on_a.is_finite() && found.point_on_b.is_finite(), "distance: {found:?}");
     law!(case, found.normal_b_to_a.is_none_or(is_unit), "distance: {found:?}");
     let has_normal = found.normal_b_to_a.is_some();
-    law!(case, has_normal == (found.distance > 0.0) || found.distance < NOTHING * case.extent(), "distance: {found:?}");
     let slack = 1e-12 * case.extent() + case.world_rounding() + NOTHING;
+    // Whether matter holds a point may be open within rounding; there is no normal then.
+    let least = if case.is_concave() { slack } else { NOTHING * case.extent() };
+    law!(case, has_normal == (found.distance > 0.0) || found.distance < least, "distance: {found:?}");
     let apart = found.point_on_a.distance(found.point_on_b);
     law!(case, apart >= bound.lower - slack, "distance: the points are {apart} apart: {found:?}");
     if case.accuracy == Accuracy::of(Tier::Exact) && found.certificate.stop == Stop::Converged {
@@ -276,7 +283,7 @@ fn swapped(case: &Case, there: &Known) {
     let back = Known::ask(&back);
     // What a mesh costs may differ, and of two that are one and the same none is the first.
     let key = |found: &Certificate| (found.verdict, found.bound);
-    let same = key(&there.overlap) == key(&back.overlap) && (case.has_mesh() || there.overlap == back.overlap);
+    let same = key(&there.overlap) == key(&back.overlap) && (case.is_concave() || there.overlap == back.overlap);
     law!(case, same, "overlap {:?}, swapped {:?}", there.overlap, back.overlap);
     law!(case, there.within == back.within, "within {:?}, swapped {:?}", there.within, back.within);
     for (one, other) in [(&there.distance, &back.distance), (&there.limited, &back.limited)] {
@@ -294,7 +301,10 @@ fn swapped(case: &Case, there: &Known) {
     law!(case, same, "depth {:?}, swapped {:?}", there.depth, back.depth);
     let count = (there.contacts.len(), back.contacts.len());
     law!(case, count.0 == count.1, "contacts: {count:?}");
-    for (one, other) in there.contacts.iter().zip(&back.contacts) {
+    // They are in the order of the pieces of the first, then of the second.
+    let mut turned: Vec<&Contact> = back.contacts.iter().collect();
+    turned.sort_by_key(|contact| (contact.feature_b, contact.feature_a));
+    for (one, other) in there.contacts.iter().zip(turned) {
         let same = one.depth == other.depth
             && one.certificate == other.certificate
             && one.normal_b_to_a == -other.normal_b_to_a

@@ -35,7 +35,7 @@ pub(super) fn check(case: &Case, numbers: &mut Numbers<'_>) {
         let warm = narrow::penetration_warm(a, b, case.max_gap, accuracy, warm_contact, work);
         law!(case, cold.is_ok() == warm.is_ok(), "{}", place());
         let (Ok(cold), Ok(warm)) = (cold, warm) else { return };
-        if !case.has_mesh() {
+        if !case.is_concave() {
             let bound = |found: &narrow::Contacts| found.first().map(|contact| contact.certificate.bound);
             let none = Bound::new(f64::NEG_INFINITY, -case.max_gap);
             agree(case, "contact", &place(), bound(&cold), bound(&warm), none);

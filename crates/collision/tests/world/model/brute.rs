@@ -18,7 +18,11 @@ use collision::{
     },
 };
 
-use super::script::Question;
+use super::{
+    lists::{judge_all, judge_list},
+    pierced,
+    script::Question,
+};
 
 const ACCURACY: Accuracy = Accuracy::of(collision::accuracy::Tier::Standard);
 
@@ -47,14 +51,16 @@ struct Scene<'a> {
 
 /// A hit of the world.
 #[derive(Clone, Copy, Debug)]
-struct Hit {
-    value: f64,
-    id: ShapeId,
-    certificate: Certificate,
+pub(super) struct Hit {
+    pub(super) value: f64,
+    pub(super) id: ShapeId,
+    pub(super) certificate: Certificate,
+    /// It blocks nothing.
+    pub(super) pierced: bool,
 }
 
 /// A kernel's touch: its value and what it is worth.
-type Touch = (f64, Certificate);
+pub(super) type Touch = (f64, Certificate);
 
 fn placed(shape: &Shape) -> Placed<'_> {
     Placed { geometry: &shape.geometry, pose: shape.pose }
@@ -266,13 +272,15 @@ impl Brute {
         }
         let hits = |found: &Found<collision::world::RayHit>| -> Vec<Hit> {
             let hit = |hit: &collision::world::RayHit| {
-                Some(Hit { value: hit.touch.distance, id: hit.id?, certificate: hit.touch.certificate })
+                let (value, certificate) = (hit.touch.distance, hit.touch.certificate);
+                Some(Hit { value, id: hit.id?, certificate, pierced: hit.pierced })
             };
             found.hits.iter().filter_map(hit).collect()
         };
         let all = Raycast { mode: HitMode::All(usize::MAX), ..asked.clone() };
         let all = version.raycast(&all, filter, &ACCURACY, &mut Meter::new(&mut || true)).expect("nobody interrupts");
-        judge_mode(asked.mode, &hits(found), found.truncated, &hits(&all), &kernel, &format!("{asked:?} {filter:?}"));
+        let what = format!("{asked:?} {filter:?}");
+        self.judge_mode(asked.mode, &hits(found), (found.truncated, found.verdict), &hits(&all), &kernel, &what);
         found.verdict
     }
 
@@ -291,7 +299,8 @@ impl Brute {
             ..Motion::default()
         };
         let mut kernel = BTreeMap::new();
-        for shape in scene.seen.into_iter().filter(|shape| !shape.sensor) {
+        let goes_through = matches!(asked.mode, HitMode::Pierce { .. }) && !filter.exclude_sensors;
+        for shape in scene.seen.into_iter().filter(|shape| goes_through || !shape.sensor) {
             let touch = narrow::impact(scene.subject, placed(shape), &motion, &ACCURACY, &mut Work::default());
             let touch = touch.map(|touch| (touch.fraction, touch.certificate));
             let is_certain = touch.is_some_and(|(_, certificate)| certificate.verdict == Verdict::Hit);
@@ -299,74 +308,40 @@ impl Brute {
         }
         let hits = |found: &Found<collision::world::Impact>| -> Vec<Hit> {
             let hit = |hit: &collision::world::Impact| {
-                Some(Hit { value: hit.touch.fraction, id: hit.id?, certificate: hit.touch.certificate })
+                let (value, certificate) = (hit.touch.fraction, hit.touch.certificate);
+                Some(Hit { value, id: hit.id?, certificate, pierced: hit.pierced })
             };
             found.hits.iter().filter_map(hit).collect()
         };
         let all = TimeOfImpact { mode: HitMode::All(usize::MAX), ..asked.clone() };
-        let all = version.time_of_impact(&all, filter, &ACCURACY, &mut Meter::new(&mut || true));
+        let mut go_on = || true;
+        let meter = &mut Meter::new(&mut go_on);
+        let all = match goes_through {
+            true => pierced::without_sensors(self, version).time_of_impact(&all, filter, &ACCURACY, meter),
+            false => version.time_of_impact(&all, filter, &ACCURACY, meter),
+        };
         let all = all.expect("nobody interrupts");
-        judge_mode(asked.mode, &hits(found), found.truncated, &hits(&all), &kernel, &format!("{asked:?} {filter:?}"));
+        let what = format!("{asked:?} {filter:?}");
+        self.judge_mode(asked.mode, &hits(found), (found.truncated, found.verdict), &hits(&all), &kernel, &what);
         found.verdict
     }
-}
 
-/// `all` are the hits of the same question in the mode that lists all.
-fn judge_mode(
-    mode: HitMode,
-    found: &[Hit],
-    truncated: bool,
-    all: &[Hit],
-    kernel: &BTreeMap<ShapeId, [Option<Touch>; 2]>,
-    what: &str,
-) {
-    judge_all(all, kernel, what);
-    let key = |hit: &Hit| (hit.value.to_bits(), hit.id, hit.certificate.verdict);
-    let keys = |hits: &[Hit]| -> Vec<_> { hits.iter().map(key).collect() };
-    let is_certain = |hit: &&Hit| hit.certificate.verdict == Verdict::Hit;
-    match mode {
-        HitMode::All(most) => {
-            assert_eq!(keys(found), keys(&all[..all.len().min(most)]), "{what}");
-            assert_eq!(truncated, all.len() > most, "{what}");
+    /// `all` are the hits of the same question in the mode that lists all.
+    fn judge_mode(
+        &self,
+        mode: HitMode,
+        found: &[Hit],
+        (truncated, verdict): (bool, Verdict),
+        all: &[Hit],
+        kernel: &BTreeMap<ShapeId, [Option<Touch>; 2]>,
+        what: &str,
+    ) {
+        judge_all(all, kernel, what);
+        if let HitMode::Pierce { layers, most } = mode {
+            let blocks_nothing = |id| self.shapes.get(&id).is_some_and(|s| s.sensor || s.layers & layers != 0);
+            pierced::judge(&pierced::Answer { found, truncated, verdict, most }, all, blocks_nothing, what);
+        } else {
+            judge_list(mode, found, truncated, all, kernel, what);
         }
-        HitMode::Closest => {
-            let closest = all.iter().find(is_certain);
-            assert_eq!(found.iter().find(is_certain).map(key), closest.map(key), "{what}");
-            let limit =
-                all.iter().filter(is_certain).map(|hit| hit.certificate.bound.upper).fold(f64::INFINITY, f64::min);
-            let open = all.iter().filter(|hit| !is_certain(hit) && hit.certificate.bound.lower < limit);
-            for open in open {
-                assert!(found.iter().any(|hit| key(hit) == key(open)), "{open:?} may come first: {found:?} {what}");
-            }
-            for open in found.iter().filter(|hit| !is_certain(hit)) {
-                assert!(open.certificate.bound.lower < limit, "{open:?} comes after {limit}: {what}");
-            }
-        }
-        HitMode::Any => match found.iter().find(is_certain) {
-            Some(hit) => assert!(kernel[&hit.id][0].is_some() && found.len() == 1, "{what}"),
-            None => assert_eq!(keys(found), keys(all), "{what}"),
-        },
-        HitMode::Pierce { .. } => unreachable!("laws of its own: pierce.rs"),
-    }
-}
-
-fn judge_all(all: &[Hit], kernel: &BTreeMap<ShapeId, [Option<Touch>; 2]>, what: &str) {
-    let in_order = |pair: &[Hit]| pair[0].value.total_cmp(&pair[1].value).then(pair[0].id.cmp(&pair[1].id)).is_lt();
-    assert!(all.windows(2).all(in_order), "order: {all:?} {what}");
-    for hit in all {
-        let [certain, undecided] = kernel.get(&hit.id).unwrap_or_else(|| panic!("{} is not seen: {what}", hit.id));
-        let touch = if hit.certificate.verdict == Verdict::Hit { certain } else { undecided };
-        let (value, certificate) = touch.unwrap_or_else(|| panic!("the kernel does not find {hit:?}: {what}"));
-        let bound = hit.certificate.bound;
-        assert!(bound.contains(hit.value), "{hit:?}: {what}");
-        assert!(bound.lower >= certificate.bound.lower, "{hit:?}: {what}");
-        // Where its box begins beyond all that an open touch may be, there is none: the interval shrinks to that place.
-        let is_beyond = hit.certificate.verdict == Verdict::Undecided && bound.lower == bound.upper;
-        assert!(bound.upper == certificate.bound.upper || is_beyond, "{hit:?}, {certificate:?}: {what}");
-        assert!(hit.value == value || hit.value == bound.lower, "{hit:?}, the kernel says {value}: {what}");
-    }
-    for (id, [certain, _]) in kernel {
-        let is_there = all.iter().any(|hit| hit.id == *id && hit.certificate.verdict == Verdict::Hit);
-        assert!(certain.is_none() || is_there, "{id} is missing: {certain:?} {what}");
     }
 }

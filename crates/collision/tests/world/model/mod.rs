@@ -3,6 +3,9 @@
 
 mod brute;
 mod check;
+mod concave;
+mod lists;
+mod pierced;
 mod script;
 
 use std::sync::Arc;

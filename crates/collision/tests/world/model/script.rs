@@ -14,6 +14,8 @@ use collision::{
     },
 };
 
+use super::concave;
+
 /// Ids in use.
 const IDS: usize = 40;
 /// Edits of a tick at most.
@@ -76,12 +78,12 @@ impl<'b> Script<'b> {
     }
 
     /// From 0 to less than `count`, which is at most 256.
-    fn below(&mut self, count: usize) -> usize {
+    pub(super) fn below(&mut self, count: usize) -> usize {
         usize::from(self.byte()) * count / 256
     }
 
     /// One time in so many.
-    fn one_in(&mut self, count: usize) -> Option<()> {
+    pub(super) fn one_in(&mut self, count: usize) -> Option<()> {
         (self.below(count) == 1).then_some(())
     }
 
@@ -101,7 +103,7 @@ impl<'b> Script<'b> {
         if self.byte() & 1 == 0 { part / 127.0 } else { (part / 32.0).round() / 4.0 }
     }
 
-    fn shares(&mut self) -> DVec3 {
+    pub(super) fn shares(&mut self) -> DVec3 {
         DVec3::new(self.share(), self.share(), self.share())
     }
 
@@ -109,7 +111,7 @@ impl<'b> Script<'b> {
         within(at.origin + self.shares() * at.scale * 3.0)
     }
 
-    fn rotation(&mut self) -> DQuat {
+    pub(super) fn rotation(&mut self) -> DQuat {
         let (axis, w) = (self.shares(), self.share());
         match self.below(3) {
             0 => DQuat::IDENTITY,
@@ -129,7 +131,7 @@ impl<'b> Script<'b> {
     }
 
     fn form(&mut self, at: Neighbourhood, sizes: DVec3) -> Result<Geometry, GeometryError> {
-        match self.below(12) {
+        match self.below(16) {
             0..=2 => Geometry::cuboid(sizes),
             3 | 4 => Geometry::sphere(sizes.x),
             5 | 6 => Geometry::capsule(sizes.x, sizes.y),
@@ -143,7 +145,13 @@ impl<'b> Script<'b> {
                 let points: Vec<DVec3> = (0..8).map(|_| self.shares() * at.scale.min(Limits::SIZE_MAX)).collect();
                 Geometry::hull(&points)
             }
-            _ => Geometry::half_space(self.shares(), 0.0),
+            11 => Geometry::half_space(self.shares(), 0.0),
+            12 => concave::tent(self, sizes),
+            13 => concave::terrain(self, sizes),
+            _ => {
+                let scale = [1.0, 0.5, 3.0][self.below(3)];
+                concave::cluster(self, sizes, 3).and_then(|whole| whole.scaled(scale))
+            }
         }
     }
 
@@ -213,7 +221,13 @@ impl<'b> Script<'b> {
     }
 
     fn mode(&mut self) -> HitMode {
-        [HitMode::Closest, HitMode::Any, HitMode::All(usize::MAX), HitMode::All(2)][self.below(4)]
+        match self.below(6) {
+            0 => HitMode::Closest,
+            1 => HitMode::Any,
+            2 => HitMode::All(usize::MAX),
+            3 => HitMode::All(2),
+            kind => HitMode::Pierce { layers: self.below(8) as u32, most: if kind == 4 { usize::MAX } else { 1 } },
+        }
     }
 
     /// From one place to another, of the same neighbourhood or not.
@@ -238,7 +252,7 @@ impl<'b> Script<'b> {
                     min_distance: self.one_in(5).map_or(0.0, |()| self.distance()),
                     max_distance: self.distance(),
                     hollow: self.one_in(3).is_some(),
-                    faces: Faces::Both,
+                    faces: [Faces::Both, Faces::Both, Faces::Front, Faces::Back][self.below(4)],
                 };
                 Question::Raycast(Raycast { ray, mode: self.mode() })
             }
