@@ -294,7 +294,7 @@ async fn steps_end_the_work_with_what_is_made_by_then() {
     let inside = one.inside.expect("an interval");
     let (lower, upper) = (inside.lower.expect("a bound"), inside.upper.expect("a bound"));
     // The middle of the hull's slope is as far from either side of the hollow.
-    assert!(lower <= 0.5 && 0.5 <= upper && upper <= 3.0, "{inside:?}");
+    assert!(lower <= 0.5 && (0.5..=3.0).contains(&upper), "{inside:?}");
     assert_ne!(hull, whole, "other parts are another geometry");
     assert_eq!(parts_within(&mut other, 1).await, (hull, one), "the same on every server");
     let (named, _) = parts_within(&mut bench, 1 << 32).await;
