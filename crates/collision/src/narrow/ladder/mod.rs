@@ -57,8 +57,9 @@ const WORTH_TRYING: f64 = 1.0 / 256.0;
 /// Rungs that may prove that nothing is touched. A ball proves less than the boxes that every pair is judged by first.
 const RUNGS_OF_TOUCH: [Representation; 2] = [Representation::OrientedBox, Representation::SimplifiedHull];
 
-/// A box is slim if, turned as it is, it fills no more than one part in so many of the one along the axes that holds it.
-const SLIM: f64 = 2.0;
+/// A box is slim if, turned as it is, it fills no more than one part in so many of the one along the axes that holds it: fewer than any
+/// cube does, however it is turned.
+const SLIM: f64 = 6.0;
 
 /// A pair on a rung.
 struct Stage<'a> {
