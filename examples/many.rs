@@ -201,11 +201,11 @@ async fn check_distances(client: &Client, min_tick: u64, began: u64) -> Result<u
         let [_, y, z] = position(writer, place, 0);
         let mut question = ask::distance(ask::point([GAUGE, y, z]));
         question.against = Some(Box::new(ask::shape(id(writer, place))));
-        question.options = Some(Box::new(ask::exactly()));
+        question.options = Some(ask::exactly());
         proto::question::Question::Distance(Box::new(question))
     };
     let mut batch = ask::batch(spheres().map(question));
-    batch.options = Some(Box::new(ask::seeing_tick(min_tick)));
+    batch.options = Some(ask::seeing_tick(min_tick));
     let answer = client.batch(batch).await?;
     let tick = answer.info.ok_or("the answer names no tick")?.tick;
     let mut commits = [None; WRITERS.len()];

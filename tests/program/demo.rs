@@ -88,7 +88,7 @@ async fn shapes_move_and_nothing_goes_through_a_wall() {
     for round in 0..20 {
         let question = |id: &u64| Question::Overlap(Box::new(ask::overlap(ask::shape(*id))));
         let mut batch = ask::batch(begin.keys().map(question));
-        batch.options = Some(Box::new(options.clone()));
+        batch.options = Some(options.clone());
         let answer = client.batch(batch).await.expect("the batch is answered");
         ticks.push(answer.info.expect("the answer names its tick").tick);
         for (id, answer) in begin.keys().zip(answer.answers) {

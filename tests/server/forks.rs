@@ -132,9 +132,9 @@ async fn the_client_forks_and_reads_the_past() {
         ray.options = Some(options);
         what_if.raycast(ray.clone()).await.unwrap().hits[0].id
     };
-    assert_eq!(first(Box::new(ask::at_tick(2))).await, 1);
-    assert_eq!(first(Box::new(ask::between_ticks(2, 0.5))).await, 1);
-    assert_eq!(first(Box::new(ask::at_tick(3))).await, 9);
-    assert_eq!(first(Box::new(ask::at_time(SystemTime::now()))).await, 9);
+    assert_eq!(first(ask::at_tick(2)).await, 1);
+    assert_eq!(first(ask::between_ticks(2, 0.5)).await, 1);
+    assert_eq!(first(ask::at_tick(3)).await, 9);
+    assert_eq!(first(ask::at_time(SystemTime::now())).await, 9);
     what_if.delete_session(pb::DeleteSessionRequest::default()).await.unwrap();
 }

@@ -127,13 +127,13 @@ pub fn form_turned(geometry: proto::Geometry, position: [f64; 3], rotation: [f64
 }
 
 /// Options of a question that reads the newest tick once it is at least `min_tick`: read your own writes.
-pub fn seeing_tick(min_tick: u64) -> proto::QueryOptions {
+pub fn seeing_tick(min_tick: u64) -> Box<proto::QueryOptions> {
     let read_at = proto::ReadAt { at: Some(read_at::At::MinTick(min_tick)), tick_fraction: 0.0 };
-    proto::QueryOptions { read_at: Some(read_at), ..proto::QueryOptions::default() }
+    Box::new(proto::QueryOptions { read_at: Some(read_at), ..proto::QueryOptions::default() })
 }
 
 /// Options of a question that reads exactly this tick, as it was.
-pub fn at_tick(tick: u64) -> proto::QueryOptions {
+pub fn at_tick(tick: u64) -> Box<proto::QueryOptions> {
     between_ticks(tick, 0.0)
 }
 
@@ -146,21 +146,21 @@ pub fn at_tick(tick: u64) -> proto::QueryOptions {
 /// let mut ray = ask::ray([0.0; 3], [0.0, 0.0, 1.0]);
 /// ray.options = Some(ask::between_ticks(41, 0.5));
 /// ```
-pub fn between_ticks(tick: u64, fraction: f64) -> proto::QueryOptions {
+pub fn between_ticks(tick: u64, fraction: f64) -> Box<proto::QueryOptions> {
     let read_at = proto::ReadAt { at: Some(read_at::At::Tick(tick)), tick_fraction: fraction };
-    proto::QueryOptions { read_at: Some(read_at), ..proto::QueryOptions::default() }
+    Box::new(proto::QueryOptions { read_at: Some(read_at), ..proto::QueryOptions::default() })
 }
 
 /// Options of a question that reads the state at a time; after the newest tick that is the newest.
-pub fn at_time(time: std::time::SystemTime) -> proto::QueryOptions {
+pub fn at_time(time: std::time::SystemTime) -> Box<proto::QueryOptions> {
     let read_at = proto::ReadAt { at: Some(read_at::At::Time(time.into())), tick_fraction: 0.0 };
-    proto::QueryOptions { read_at: Some(read_at), ..proto::QueryOptions::default() }
+    Box::new(proto::QueryOptions { read_at: Some(read_at), ..proto::QueryOptions::default() })
 }
 
 /// Options of a question in the exact tier, which goes on until the interval cannot get narrower.
-pub fn exactly() -> proto::QueryOptions {
+pub fn exactly() -> Box<proto::QueryOptions> {
     let accuracy = proto::Accuracy { tier: proto::Tier::Exact.into(), ..proto::Accuracy::default() };
-    proto::QueryOptions { accuracy: Some(accuracy), ..proto::QueryOptions::default() }
+    Box::new(proto::QueryOptions { accuracy: Some(accuracy), ..proto::QueryOptions::default() })
 }
 
 /// A batch of questions of any kinds, answered on one tick. Their sessions and versions stay empty: those of the batch hold.
@@ -169,8 +169,8 @@ pub fn exactly() -> proto::QueryOptions {
 /// use calipers_client::{ask, proto::question::Question};
 ///
 /// let batch = ask::batch([
-///     Question::Raycast(ask::ray([0.0; 3], [0.0, 0.0, 1.0])),
-///     Question::Distance(ask::distance(ask::point([0.0; 3]))),
+///     Question::from(ask::ray([0.0; 3], [0.0, 0.0, 1.0])),
+///     Question::from(ask::distance(ask::point([0.0; 3]))),
 /// ]);
 /// assert_eq!(batch.questions.len(), 2);
 /// ```

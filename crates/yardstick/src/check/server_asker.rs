@@ -129,7 +129,7 @@ impl ServerAsker {
         let written: Vec<Result<Asked, String>> =
             questions.iter().map(|question| self.wire_question(question)).collect();
         let request = ask::batch(written.iter().filter_map(|asked| asked.clone().ok()));
-        let request = proto::BatchRequest { options: Some(ask::exactly().into()), ..request };
+        let request = proto::BatchRequest { options: Some(ask::exactly()), ..request };
         let mut answers = match self.runtime.block_on(self.client.batch(request)) {
             Ok(response) => response.answers.into_iter(),
             Err(error) => return refuse(questions.len(), &error.to_string()),

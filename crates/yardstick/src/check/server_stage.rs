@@ -59,7 +59,7 @@ impl<'a> ServerStage<'a> {
     }
 
     fn options(&self) -> proto::QueryOptions {
-        proto::QueryOptions { read_at: ask::seeing_tick(self.tick).read_at, ..ask::exactly() }
+        proto::QueryOptions { read_at: ask::seeing_tick(self.tick).read_at, ..*ask::exactly() }
     }
 }
 
