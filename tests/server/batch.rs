@@ -17,7 +17,7 @@ async fn a_batch_is_answered_on_one_tick_and_fails_item_by_item() {
             pb::Question::default(),
             question(Question::Raycast(named)),
             question(Question::Raycast(pinned)),
-            question(Question::MoveCharacter(Box::new(pb::MoveCharacterRequest::default()))),
+            question(Question::MoveCharacter(Box::default())),
             question(Question::Distance(Box::new(pb::DistanceRequest {
                 subject: Some(pb::Subject::default()),
                 ..pb::DistanceRequest::default()

@@ -78,10 +78,7 @@ async fn it_is_asked_at_a_tick_and_goes_onto_the_stream() {
     assert_eq!((answer.visible.as_slice(), answer.info.as_ref().unwrap().tick), (&[0, 1, 1, 1][..], 2));
     let messages = vec![
         pb::QueryStreamRequest { request_id: 4, request: Some(Asked::LineOfSight(Box::new(past))) },
-        pb::QueryStreamRequest {
-            request_id: 5,
-            request: Some(Asked::LineOfSight(Box::new(pb::LineOfSightRequest::default()))),
-        },
+        pb::QueryStreamRequest { request_id: 5, request: Some(Asked::LineOfSight(Box::default())) },
     ];
     let stream = bench.questions.query_stream(tokio_stream::iter(messages)).await.unwrap();
     let mut answers = stream.into_inner();

@@ -197,7 +197,7 @@ async fn what_cannot_be_explained_is_refused() {
         "question.raycast.session",
         &["beside the question"],
     );
-    let question = Some(pb::Question { question: Some(Asked::FirstTouch(Box::new(pb::FirstTouchRequest::default()))) });
+    let question = Some(pb::Question { question: Some(Asked::FirstTouch(Box::default())) });
     let status = bench.worlds.explain(pb::ExplainRequest { question, ..Default::default() }).await.unwrap_err();
     assert_refused(&status, Code::InvalidArgument, "OUT_OF_LIMITS", "question.first_touch", &["time_of_impact"]);
     // 400,000 triangles are more than a message holds.
