@@ -30,6 +30,8 @@ use crate::{
 
 /// Answers that are handed over at a time, at most.
 const TOGETHER: usize = 16;
+/// Rays of a batch that are answered in less than a short turn.
+const QUICK_RAYS: usize = 128;
 /// Lists of answers that wait for a reader.
 const UNREAD_LISTS: usize = 16;
 
@@ -76,8 +78,9 @@ async fn run(
             return Ok(());
         }
         let message = came.map_err(the_api_says)?;
-        // Batches have turns of their own.
-        let has_turns = matches!(&message, Some(message) if !matches!(message.request, Some(Asked::Question(_))));
+        // Batches have turns of their own; those of quick ones are not worth a pause of these.
+        let has_turns = matches!(&message, Some(message)
+            if !matches!(message.request, Some(Asked::Question(_))) && !is_quick(message));
         if (message.is_none() || is_over || has_turns) && server.drain.is_cancelled() {
             let what = "the server is stopping: ask again elsewhere, or later, what was not answered";
             return Err(Problem::new(Reason::Stopping, what).into());
@@ -94,10 +97,15 @@ async fn run(
     }
 }
 
-/// Whether a message is answered in some microseconds, so that answers before it can wait for it.
+/// Whether a message is answered within a short turn, most often, so that answers before it can wait for it.
 fn is_quick(message: &pb::QueryStreamRequest) -> bool {
-    let Some(Asked::Question(asked)) = &message.request else { return false };
-    matches!(asked.question, Some(Question::Raycast(_) | Question::Overlap(_) | Question::Distance(_)))
+    match &message.request {
+        Some(Asked::Question(asked)) => {
+            matches!(asked.question, Some(Question::Raycast(_) | Question::Overlap(_) | Question::Distance(_)))
+        }
+        Some(Asked::RaycastBatch(rays)) => rays.directions.len() <= 3 * QUICK_RAYS,
+        _ => false,
+    }
 }
 
 /// Hands over what is ready.
