@@ -8,7 +8,7 @@ use collision::{
     accuracy::{Accuracy, Tier},
     answer::{Verdict, Work},
     math::Pose,
-    narrow::{Faces, Motion, Placed, Ray, RayTouches, distance, impact, overlap, penetration, raycast},
+    narrow::{Faces, ImpactTouch, Motion, Placed, Ray, RayTouches, distance, impact, overlap, penetration, raycast},
     shape::{Form, Geometry, GeometryError, MeshMode, SolidFault},
 };
 use meshes::{CUBE, Tally, box_corners, convex, pose, ray, solid_box};
@@ -316,4 +316,57 @@ fn a_sheet_falls_through_a_half_space_that_comes_to_its_back() {
     let sunk = penetration(at(&body, Pose::at(DVec3::Y * -0.25)), at(&floor, Pose::IDENTITY), 0.0, &EXACT, &mut work());
     let deepest = sunk.expect("one mesh").iter().map(|contact| contact.depth).fold(0.0, f64::max);
     assert!((deepest - 0.75).abs() < 1e-12, "{deepest}");
+}
+
+/// A motion of kilometres hides in its rounding how far forms are apart at the start, and so from which side they come. That is
+/// told by the touch, as in the short motion that begins the long one: not by the side that the middle of the form is on.
+#[test]
+fn a_long_way_does_not_change_from_which_side_a_triangle_is_met() {
+    let mut numbers = Numbers::new(151);
+    let (mut felt, mut passed, mut on_other_side, mut differing) = (0, 0, 0, Vec::new());
+    for round in 0..2_000 {
+        let corners = [0; 3].map(|_| numbers.shares());
+        let triangle = Geometry::mesh_as(MeshMode::OneSided, &corners, &[[0, 1, 2]]).expect("a triangle");
+        let front = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+        let body = convex(&mut numbers);
+        let place = numbers.shares();
+        let far = pose(&mut numbers, place, true);
+        let ask = |here| distance(at(&body, here), at(&triangle, Pose::IDENTITY), 9.0, &EXACT, &mut work());
+        let Some((gap, normal)) = ask(far).and_then(|found| Some((found.distance, found.normal_b_to_a?))) else {
+            continue;
+        };
+        let near = Pose::new(far.position - normal * (gap - numbers.magnitude(-12.0, -11.0)), far.rotation);
+        let way = (numbers.shares() * 0.5 - normal) * 1e4;
+        let turn = if round % 2 == 0 { numbers.shares() } else { DVec3::ZERO };
+        let moved = |part: f64| {
+            let motion = Motion { displacement_a: way * part, rotation_a: turn * part, ..Motion::default() };
+            impact(at(&body, near), at(&triangle, Pose::IDENTITY), &motion, &EXACT, &mut work())
+        };
+        let (long, short, other) = (moved(1.0), moved(1e-12), moved(1e-10));
+        // A point has no volume to prove a touch by; and where short motions differ, rounding tells the side of an edge.
+        let is_open = |touch: &ImpactTouch| touch.certificate.verdict == Verdict::Undecided;
+        if long.iter().chain(&short).any(is_open) || short.is_some() != other.is_some() {
+            continue;
+        }
+        let context = || format!("round {round}: {long:?}\n{short:?}\n{body:?} at {near:?} to {way:?} of {corners:?}");
+        if long.is_some() != short.is_some() {
+            differing.push(context());
+            continue;
+        }
+        let is_before = front.dot(near.position - corners[0]) > 0.0;
+        on_other_side += u32::from(front.dot(way) < 0.0 && is_before != short.is_some());
+        if let (Some(long), Some(short)) = (long, short) {
+            assert!(!long.initial && !short.initial, "{}", context());
+            assert!(long.normal_b_to_a.is_some_and(|normal| front.dot(normal) > -1e-6), "{}", context());
+            felt += 1;
+        } else {
+            passed += 1;
+        }
+    }
+    // An edge met along a face is one whose side the last bits of the gap tell.
+    assert!(differing.len() < 3, "{} differ: {}", differing.len(), differing[0]);
+    assert!(
+        felt > 500 && passed > 500 && on_other_side > 50,
+        "{felt} felt, {passed} passed, {on_other_side} from there"
+    );
 }

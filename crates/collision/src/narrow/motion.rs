@@ -25,6 +25,17 @@ impl Motion {
         self.rotation_a != DVec3::ZERO || self.rotation_b != DVec3::ZERO
     }
 
+    /// The beginning of the motion, up to a part of it, as a whole one.
+    pub(super) fn until(&self, part: f64) -> Self {
+        Self {
+            displacement_a: self.displacement_a * part,
+            displacement_b: self.displacement_b * part,
+            rotation_a: self.rotation_a * part,
+            rotation_b: self.rotation_b * part,
+            initial: self.initial,
+        }
+    }
+
     /// The same motion with the two geometries swapped.
     pub(super) fn swapped(&self) -> Self {
         Self {

@@ -7,6 +7,9 @@
 //! does. Once the gap is within rounding, an instant of proved overlap is sought just beyond, at growing steps: a small
 //! gap proves no touch.
 //!
+//! The frame of a long way is coarse: what is apart at the start may touch in it, and then has no normal in it. Such a touch is
+//! sought once more in the frame of the way up to it.
+//!
 //! Most pairs never come to that. The balls around the forms ([`balls`]) miss each other or tell where to begin; boxes
 //! are asked by their axes ([`slide`]), polytopes by the face in the way ([`portal`]), others by a search whose target
 //! moves ([`cast`]), and what was nearest at the end of that proves the overlap a moment later.
@@ -49,11 +52,40 @@ pub(crate) fn impact(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
+    work.pairs_tested += 1;
+    let touch = sought(a, b, motion, arms, accuracy, work)?;
+    let Certificate { bound: Bound { lower, upper }, stop, iterations, .. } = touch.certificate;
+    let is_within_rounding = stop == Stop::Converged && lower == 0.0 && !touch.initial && upper <= PART_LONGEST;
+    if !is_within_rounding {
+        return Some(touch);
+    }
+    let finer = sought(a, b, &motion.until(upper), arms, accuracy, work);
+    let Some(finer) = finer.filter(|finer| finer.certificate.verdict == Verdict::Hit && !finer.initial) else {
+        return Some(touch);
+    };
+    let found = finer.certificate;
+    let bound =
+        Bound::new((found.bound.lower * upper).next_down().max(0.0), (found.bound.upper * upper).next_up().min(upper));
+    let certificate = Certificate { bound, iterations: iterations.saturating_add(found.iterations), ..found };
+    Some(ImpactTouch { fraction: (finer.fraction * upper).clamp(bound.lower, bound.upper), certificate, ..finer })
+}
+
+/// The frame of a longer part of the way than this is no finer than that of the whole.
+const PART_LONGEST: f64 = 0.5;
+
+/// The same in the frame of the whole way.
+fn sought(
+    a: PlacedConvex<'_>,
+    b: PlacedConvex<'_>,
+    motion: &Motion,
+    arms: [DVec3; 2],
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Option<ImpactTouch> {
     let relative = motion.displacement_a - motion.displacement_b;
     let turns = [turn_of(a, motion.rotation_a, arms[0]), turn_of(b, motion.rotation_b, arms[1])];
     let is_swapped = is_swapped(a, b, motion);
     let (first, second, way) = if is_swapped { (b, a, -relative) } else { (a, b, relative) };
-    work.pairs_tested += 1;
     let (touch, method_iterations, pair, swung);
     let (mut linear, mut turning);
     if turns == [DVec3::ZERO; 2] {

@@ -206,7 +206,11 @@ pub(super) fn impact(
             // What begins in a solid and is not yet clear of it comes to its walls from behind.
             MeshMode::Solid => motion.initial == InitialTouch::IsIgnored,
         };
-        if is_one_way && !meeting.feels(&touch, normal_of_touch.map(|normal| normal * sign), way.map(|way| way * sign))
+        if is_one_way && normal_of_touch.is_none() && !touch.initial {
+            // They are apart at the start by so little that nothing tells the side.
+            touch.certificate.verdict = Verdict::Undecided;
+        } else if is_one_way
+            && !meeting.feels(&touch, normal_of_touch.map(|normal| normal * sign), way.map(|way| way * sign))
         {
             return None;
         }
