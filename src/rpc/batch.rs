@@ -40,7 +40,7 @@ pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb
 
 fn answer_one(asked: &pb::Question, scene: &Scene, index: usize) -> pb::Answer {
     let answered = check(asked).and_then(|()| fenced("answering a question", || question::answer(asked, scene))?);
-    let answered = answered.unwrap_or_else(|problem| problem.under(&format!("questions[{index}]")).into_wire().into());
+    let answered = answered.under_item("questions", index).unwrap_or_else(|problem| problem.into_wire().into());
     pb::Answer { answer: Some(answered) }
 }
 

@@ -73,20 +73,19 @@ async fn run(
             }
         };
         let is_over = turns.is_over();
-        let goes_on = matches!(&came, Ok(Some(message)) if is_quick(message));
-        if (!goes_on || is_over || ready.len() == TOGETHER) && hand_over(answers, &mut ready).await? == Handed::Gone {
+        let is_quick = matches!(&came, Ok(Some(message)) if is_quick(message));
+        if (!is_quick || is_over || ready.len() == TOGETHER) && hand_over(answers, &mut ready).await? == Handed::Gone {
             return Ok(());
         }
         let message = came.map_err(the_api_says)?;
-        // Batches have turns of their own; those of quick ones are not worth a pause of these.
-        let has_turns = matches!(&message, Some(message)
-            if !matches!(message.request, Some(Asked::Question(_))) && !is_quick(message));
-        if (message.is_none() || is_over || has_turns) && server.drain.is_cancelled() {
+        if (!is_quick || is_over) && server.drain.is_cancelled() {
             let what = "the server is stopping: ask again elsewhere, or later, what was not answered";
             return Err(Problem::new(Reason::Stopping, what).into());
         }
         let Some(message) = message else { return Ok(()) };
         turns.next().await?;
+        // Batches have turns of their own; those of quick ones are not worth a pause of these.
+        let has_turns = !is_quick && !matches!(message.request, Some(Asked::Question(_)));
         if has_turns {
             turns.pause();
         }

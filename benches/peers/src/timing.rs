@@ -45,14 +45,7 @@ pub(crate) fn compare(
         least_calipers = least_calipers.min(calipers(operations));
         least_parry = least_parry.min(parry(operations));
     }
-    let each_ns = |time: Duration| time.as_secs_f64() * 1e9 / operations as f64;
-    Times {
-        calipers_ns: each_ns(least_calipers),
-        parry_ns: each_ns(least_parry),
-        obvhs_ns: None,
-        embree_ns: None,
-        operations,
-    }
+    Times::new([least_calipers, least_parry], operations)
 }
 
 /// Times work that is one whole on each side, so that it cannot be done in part: `operations` operations each time, fewer
@@ -73,17 +66,16 @@ pub(crate) fn compare_whole(
         least_parry = least_parry.min(time_parry);
         spent += time_calipers + time_parry;
     }
-    let each_ns = |time: Duration| time.as_secs_f64() * 1e9 / operations as f64;
-    Times {
-        calipers_ns: each_ns(least_calipers),
-        parry_ns: each_ns(least_parry),
-        obvhs_ns: None,
-        embree_ns: None,
-        operations,
-    }
+    Times::new([least_calipers, least_parry], operations)
 }
 
 impl Times {
+    /// Of so many operations, which took both this long.
+    fn new([calipers, parry]: [Duration; 2], operations: usize) -> Self {
+        let each_ns = |time| each_ns(time, operations);
+        Self { calipers_ns: each_ns(calipers), parry_ns: each_ns(parry), obvhs_ns: None, embree_ns: None, operations }
+    }
+
     /// With the time of obvhs, which does as many operations as it is told and returns the CPU time that took.
     pub(crate) fn beside_obvhs(self, obvhs: impl FnMut(usize) -> Duration) -> Self {
         Self { obvhs_ns: Some(self.each_ns(obvhs)), ..self }
@@ -97,8 +89,12 @@ impl Times {
 
     fn each_ns(&self, mut peer: impl FnMut(usize) -> Duration) -> f64 {
         let least = (0..REPEATS).map(|_| peer(self.operations)).min().unwrap_or_default();
-        least.as_secs_f64() * 1e9 / self.operations as f64
+        each_ns(least, self.operations)
     }
+}
+
+fn each_ns(all: Duration, operations: usize) -> f64 {
+    all.as_secs_f64() * 1e9 / operations as f64
 }
 
 /// CPU time of this thread for some work. What the work returns is dropped when the time is taken.

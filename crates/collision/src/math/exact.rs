@@ -8,21 +8,14 @@
 //! Products below 1e-290 or above 1e290 lose the guarantee (the error term leaves the range); sizes of a world do not
 //! reach there.
 
+use std::ops::{Add, Sub};
+
 use glam::DVec3;
 
-/// `a + b` as a rounded sum and its exact error.
-#[must_use]
-pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let b_part = sum - a;
-    let a_part = sum - b_part;
-    (sum, (a - a_part) + (b - b_part))
-}
-
-/// `a + b` of each component as a rounded sum and its exact error.
+/// `a + b` as a rounded sum and its exact error; of vectors each component's.
 #[inline]
 #[must_use]
-pub fn exact_sum(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
+pub fn two_sum<N: Copy + Add<Output = N> + Sub<Output = N>>(a: N, b: N) -> (N, N) {
     let sum = a + b;
     let b_part = sum - a;
     let a_part = sum - b_part;
@@ -33,7 +26,7 @@ pub fn exact_sum(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
 #[inline]
 #[must_use]
 pub fn exact_difference(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
-    exact_sum(a, -b)
+    two_sum(a, -b)
 }
 
 /// `a * b` as a rounded product and its exact error.

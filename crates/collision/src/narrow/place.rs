@@ -13,7 +13,7 @@ use glam::DVec3;
 use crate::{
     math::{
         Norm, Pose,
-        exact::{exact_difference, exact_sum},
+        exact::{exact_difference, two_sum},
     },
     tolerance::{LENGTH_WIDENING, RELATIVE_POSE},
 };
@@ -45,7 +45,7 @@ impl Place {
     pub(super) fn of_part(&self, pose: &Pose, reach: f64) -> Self {
         let (is_turned, turns_itself) = (is_turned(&self.pose), is_turned(pose));
         let offset = if is_turned { self.pose.matrix() * pose.position } else { pose.position };
-        let (position, lost) = exact_sum(self.pose.position, offset);
+        let (position, lost) = two_sum(self.pose.position, offset);
         let rotation = match (is_turned, turns_itself) {
             (false, _) => pose.rotation,
             (true, false) => self.pose.rotation,
