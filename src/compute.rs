@@ -1,7 +1,13 @@
-//! Where work is done: inline, or on another thread if it is long enough to keep other calls waiting; and how many calls work
-//! inline, each of which takes a thread that serves others.
+//! Where work is done: inline, or on another thread if it is long enough to keep other calls waiting; and how many calls are at
+//! work inline on each thread.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::{
+    cell::RefCell,
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
+};
 
 use crate::{
     fence::{caught, fenced},
@@ -15,29 +21,48 @@ const HEAVY_BYTES: usize = 64 * 1024;
 /// take the whole budget of a tick.
 const BULLETS_SWEPT_INLINE: usize = 8;
 
-/// Calls that work inline right now, in this process.
-static AT_WORK: AtomicUsize = AtomicUsize::new(0);
+thread_local! {
+    /// The load of this thread.
+    static LOAD: RefCell<Load> = RefCell::default();
+}
 
-/// Counts a call among those that work inline, as long as it lives.
+/// How many calls are at work on a thread right now, those included that give way to others for a moment.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Load(Arc<AtomicUsize>);
+
+impl Load {
+    /// That of this thread.
+    pub(crate) fn here() -> Self {
+        LOAD.with_borrow(Self::clone)
+    }
+
+    /// Begins to be that of this thread.
+    pub(crate) fn begin_here(self) {
+        LOAD.set(self);
+    }
+
+    /// Whether a call is at work.
+    pub(crate) fn is_any(&self) -> bool {
+        self.0.load(Ordering::Relaxed) > 0
+    }
+}
+
+/// Counts a call among those at work on the thread where it was begun, as long as it lives.
 #[derive(Debug)]
-pub(crate) struct AtWork(());
+pub(crate) struct AtWork(Load);
 
 impl AtWork {
     /// Begins to count.
     pub(crate) fn begin() -> Self {
-        AT_WORK.fetch_add(1, Ordering::Relaxed);
-        Self(())
-    }
-
-    /// How many are counted.
-    pub(crate) fn count() -> usize {
-        AT_WORK.load(Ordering::Relaxed)
+        let here = Load::here();
+        here.0.fetch_add(1, Ordering::Relaxed);
+        Self(here)
     }
 }
 
 impl Drop for AtWork {
     fn drop(&mut self) {
-        AT_WORK.fetch_sub(1, Ordering::Relaxed);
+        self.0.0.fetch_sub(1, Ordering::Relaxed);
     }
 }
 

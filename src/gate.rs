@@ -21,6 +21,7 @@ use crate::{
     fence::caught,
     problem::{Checked, Problem, Reason},
     serve::Stop,
+    workers::Workers,
 };
 
 /// How long a call may wait to be admitted before it is refused: a burst gets through, an overload does not queue up.
@@ -43,15 +44,15 @@ const TOO_LARGE: &str = "Error, decoded message length too large";
 pub(crate) struct Gate {
     in_flight: Semaphore,
     limit: usize,
+    workers: Arc<Workers>,
     stop: Stop,
 }
 
 impl Gate {
-    /// A gate that lets so many unary calls be worked on at a time, and drops them all when the stop
-    /// aborts.
-    pub(crate) fn new(limit: usize, stop: Stop) -> Self {
+    /// A gate that lets so many unary calls be worked on at a time by these threads, and drops them all when the stop aborts.
+    pub(crate) fn new(limit: usize, workers: Arc<Workers>, stop: Stop) -> Self {
         let limit = limit.min(Semaphore::MAX_PERMITS);
-        Self { in_flight: Semaphore::new(limit), limit, stop }
+        Self { in_flight: Semaphore::new(limit), limit, workers, stop }
     }
 
     async fn admit(&self) -> Checked<SemaphorePermit<'_>> {
@@ -78,16 +79,18 @@ pub(crate) async fn pass(State(gate): State<Arc<Gate>>, mut request: Request, ne
             true => Some(gate.admit().await?),
             false => None,
         };
-        match AssertUnwindSafe(next.run(request)).catch_unwind().await {
-            Ok(response) => Ok(response),
-            Err(panic) => Err(caught("answering a call", panic.as_ref())),
+        let answered = AssertUnwindSafe(next.run(request)).catch_unwind();
+        match gate.workers.answer(answered).await {
+            Ok(Ok(response)) => Ok(response),
+            Ok(Err(panic)) => Err(caught("answering a call", panic.as_ref())),
+            Err(_) => Err(stopped()),
         }
     };
     let answered = tokio::select! {
         biased;
         answered = call => answered,
         () = deadline.passed() => Err(Deadline::problem()),
-        () = gate.stop.abort.cancelled() => Err(Problem::new(Reason::Stopping, "the server has stopped: ask again elsewhere, or later")),
+        () = gate.stop.abort.cancelled() => Err(stopped()),
     };
     tracing::debug!(call = uri.path(), elapsed_us = began.elapsed().as_micros(), refused = answered.is_err());
     match answered {
@@ -98,6 +101,10 @@ pub(crate) async fn pass(State(gate): State<Arc<Gate>>, mut request: Request, ne
         }
         Err(problem) => refuse(problem.into()),
     }
+}
+
+fn stopped() -> Problem {
+    Problem::new(Reason::Stopping, "the server has stopped: ask again elsewhere, or later")
 }
 
 /// A message that is too large is a passed quota to the API; tonic calls it OUT_OF_RANGE.

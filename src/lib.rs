@@ -30,4 +30,5 @@ mod rpc;
 mod session;
 mod token;
 mod traces;
+mod workers;
 mod writer;

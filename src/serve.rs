@@ -9,13 +9,8 @@ use std::{io, net::SocketAddr, sync::Arc, time::Duration};
 
 use axum::routing::get;
 use hyper_util::rt::TokioIo;
-use tokio::{
-    io::DuplexStream,
-    net::TcpListener,
-    sync::{mpsc, watch},
-    task::JoinHandle,
-};
-use tokio_stream::{StreamExt, wrappers::ReceiverStream};
+use tokio::{net::TcpListener, sync::watch};
+use tokio_stream::StreamExt;
 use tokio_util::sync::CancellationToken;
 use tonic::{
     service::Routes,
@@ -29,6 +24,7 @@ use crate::{
     gate::{self, Gate},
     registry::Registry,
     rpc,
+    workers::{Connections, Idle, Workers},
 };
 
 const MEBIBYTE: u32 = 1024 * 1024;
@@ -42,10 +38,10 @@ const HEADER_LIST_BYTES: u32 = 16 * 1024;
 /// A connection that has been silent for so long is asked whether it lives, and closed if it does not say so in time.
 const KEEPALIVE_EVERY: Duration = Duration::from_secs(20);
 const KEEPALIVE_ANSWER: Duration = Duration::from_secs(10);
+/// How long calls that were cut off have to say so to their clients.
+const LAST_WORDS: Duration = Duration::from_millis(250);
 /// Buffer of each direction of a connection within the process.
 const IN_PROCESS_BUFFER: usize = 1 << 20;
-/// Connections within the process that wait to be taken up.
-const IN_PROCESS_BACKLOG: usize = 64;
 
 /// Why a server did not start.
 #[derive(Debug, thiserror::Error)]
@@ -61,6 +57,9 @@ pub enum StartError {
         /// Why.
         source: io::Error,
     },
+    /// The system refuses the threads that serve.
+    #[error("cannot begin the threads that serve: {0}")]
+    Threads(#[source] io::Error),
     /// The open session cannot be made.
     #[error("the session \"default\" cannot be made: {0}")]
     Session(String),
@@ -73,7 +72,7 @@ pub enum StartError {
 #[derive(Debug)]
 pub struct Running {
     local_addr: SocketAddr,
-    doors: mpsc::Sender<DuplexStream>,
+    workers: Arc<Workers>,
     stop: Stop,
     health: HealthReporter,
     ended: watch::Receiver<bool>,
@@ -101,23 +100,31 @@ pub async fn start(settings: Settings) -> Result<Running, StartError> {
         .map_err(|source| StartError::Listen { address: settings.listen, source })?;
     let local_addr = listener.local_addr().map_err(|source| StartError::Listen { address: settings.listen, source })?;
     let stop = Stop::default();
-    let (health, routes) = routes(&settings, &stop).await?;
-    let (doors, incoming_doors) = mpsc::channel(IN_PROCESS_BACKLOG);
-    let sockets = serve_sockets(listener, routes.clone(), stop.clone());
-    let in_process = serve_in_process(incoming_doors, routes, stop.clone());
+    let (workers, idle) = Workers::new().map_err(StartError::Threads)?;
+    let workers = Arc::new(workers);
+    let (health, routes) = routes(&settings, &workers, &stop).await?;
+    let begin = |(number, thread): (usize, Idle)| {
+        let (routes, stop) = (routes.clone(), stop.clone());
+        thread.begin(number, move |connections| serve(connections, routes, stop))
+    };
+    let ends: io::Result<Vec<_>> = idle.into_iter().enumerate().map(begin).collect();
+    // Those that have begun end with the server.
+    let ends = ends.map_err(StartError::Threads).inspect_err(|_| stop.abort.cancel())?;
+    let accepting = tokio::spawn(accept(listener, workers.clone(), stop.clone()));
     let (tell_ended, ended) = watch::channel(false);
     tokio::spawn(async move {
-        for task in [sockets, in_process] {
-            if let Err(error) = task.await {
-                tracing::error!(%error, "a serving task failed");
-            }
+        if let Err(error) = accepting.await {
+            tracing::error!(%error, "accepting connections failed");
+        }
+        for end in ends {
+            end.await;
         }
         let _ = tell_ended.send(true);
     });
     tracing::info!(address = %local_addr, "listening");
     Ok(Running {
         local_addr,
-        doors,
+        workers,
         _stop_on_drop: stop.abort.clone().drop_guard(),
         stop,
         health,
@@ -136,15 +143,12 @@ impl Running {
     /// A channel to this server that crosses no socket. It connects when it is first used, and again if need be.
     #[must_use]
     pub fn connect_in_process(&self) -> Channel {
-        let doors = self.doors.clone();
+        let workers = self.workers.clone();
         Endpoint::from_static("http://in-process").connect_with_connector_lazy(service_fn(move |_| {
-            let doors = doors.clone();
+            let workers = workers.clone();
             async move {
                 let (here, there) = tokio::io::duplex(IN_PROCESS_BUFFER);
-                match doors.send(there).await {
-                    Ok(()) => Ok(TokioIo::new(here)),
-                    Err(_) => Err(io::Error::new(io::ErrorKind::ConnectionRefused, "the server has stopped")),
-                }
+                workers.take_up_in_process(there).await.map(|()| TokioIo::new(here))
             }
         }))
     }
@@ -162,7 +166,7 @@ impl Running {
             tracing::warn!(limit = ?self.drain_limit, "calls still ran at the drain limit and were cut off");
         }
         self.stop.abort.cancel();
-        // The serving tasks end at once when they are aborted, so this wait needs no limit of its own.
+        // The threads end soon when they are aborted, so this wait needs no limit of its own.
         self.stopped().await;
         tracing::info!("stopped");
     }
@@ -175,7 +179,11 @@ impl Running {
 }
 
 /// Everything that is served on the port, and how health is told.
-async fn routes(settings: &Settings, stop: &Stop) -> Result<(HealthReporter, Routes), StartError> {
+async fn routes(
+    settings: &Settings,
+    workers: &Arc<Workers>,
+    stop: &Stop,
+) -> Result<(HealthReporter, Routes), StartError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     for service in rpc::SERVICE_NAMES.into_iter().chain([""]) {
         health.set_service_status(service, ServingStatus::Serving).await;
@@ -192,7 +200,7 @@ async fn routes(settings: &Settings, stop: &Stop) -> Result<(HealthReporter, Rou
     let sweeper = registry.clone();
     let until = stop.clone();
     tokio::spawn(async move { until.abort.run_until_cancelled(sweeper.sweep_leases()).await });
-    let gate = Arc::new(Gate::new(settings.max_in_flight, stop.clone()));
+    let gate = Arc::new(Gate::new(settings.max_in_flight, workers.clone(), stop.clone()));
     let grpc = rpc::routes(registry, stop.drain.clone())
         .add_service(reflection().build_v1()?)
         .add_service(reflection().build_v1alpha()?)
@@ -223,27 +231,35 @@ fn server() -> Server {
         .http2_keepalive_timeout(Some(KEEPALIVE_ANSWER))
 }
 
-fn serve_sockets(listener: TcpListener, routes: Routes, stop: Stop) -> JoinHandle<()> {
-    let incoming = TcpIncoming::from(listener).with_nodelay(Some(true)).with_keepalive(Some(KEEPALIVE_EVERY));
-    tokio::spawn(async move {
-        let serving = server().add_routes(routes).serve_with_incoming_shutdown(incoming, stop.drain.cancelled_owned());
-        run_until_aborted(serving, &stop.abort).await;
-    })
+/// Gives connections to the threads until the server drains.
+async fn accept(listener: TcpListener, workers: Arc<Workers>, stop: Stop) {
+    let mut incoming = TcpIncoming::from(listener).with_nodelay(Some(true)).with_keepalive(Some(KEEPALIVE_EVERY));
+    while let Some(Some(accepted)) = stop.drain.run_until_cancelled(incoming.next()).await {
+        let taken = match accepted {
+            Ok(socket) => workers.take_up(socket).await,
+            Err(error) => Err(error),
+        };
+        if let Err(error) = taken {
+            tracing::debug!(%error, "a connection was not taken up");
+        }
+    }
 }
 
-fn serve_in_process(doors: mpsc::Receiver<DuplexStream>, routes: Routes, stop: Stop) -> JoinHandle<()> {
-    let incoming = ReceiverStream::new(doors).map(Ok::<_, io::Error>);
-    tokio::spawn(async move {
-        let serving = server().add_routes(routes).serve_with_incoming_shutdown(incoming, stop.drain.cancelled_owned());
-        run_until_aborted(serving, &stop.abort).await;
-    })
-}
-
-async fn run_until_aborted(
-    serving: impl Future<Output = Result<(), tonic::transport::Error>>,
-    abort: &CancellationToken,
-) {
-    if let Some(Err(error)) = abort.run_until_cancelled(serving).await {
+/// Serves the connections of a thread until the server has drained or aborts.
+async fn serve(connections: Connections, routes: Routes, stop: Stop) {
+    let (sockets, in_process) = connections.split();
+    let drained = || stop.drain.clone().cancelled_owned();
+    let sockets = server().add_routes(routes.clone()).serve_with_incoming_shutdown(sockets, drained());
+    let in_process = server().add_routes(routes).serve_with_incoming_shutdown(in_process, drained());
+    let mut both = std::pin::pin!(async { tokio::try_join!(sockets, in_process) });
+    let served = match stop.abort.run_until_cancelled(&mut both).await {
+        Some(served) => Some(served),
+        None => {
+            stop.drain.cancel();
+            tokio::time::timeout(LAST_WORDS, both).await.ok()
+        }
+    };
+    if let Some(Err(error)) = served {
         tracing::error!(%error, "serving failed");
     }
 }
