@@ -41,6 +41,12 @@ impl Load {
         LOAD.set(self);
     }
 
+    /// Counts a call.
+    pub(crate) fn at_work(&self) -> AtWork {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        AtWork(self.clone())
+    }
+
     /// Whether a call is at work.
     pub(crate) fn is_any(&self) -> bool {
         self.0.load(Ordering::Relaxed) > 0
@@ -54,9 +60,7 @@ pub(crate) struct AtWork(Load);
 impl AtWork {
     /// Begins to count.
     pub(crate) fn begin() -> Self {
-        let here = Load::here();
-        here.0.fetch_add(1, Ordering::Relaxed);
-        Self(here)
+        Load::here().at_work()
     }
 }
 

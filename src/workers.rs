@@ -164,3 +164,39 @@ impl Connections {
 fn stopped() -> io::Error {
     io::Error::new(io::ErrorKind::ConnectionRefused, "the server has stopped")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute::AtWork;
+
+    fn name() -> Option<String> {
+        thread::current().name().map(ToOwned::to_owned)
+    }
+
+    #[tokio::test]
+    async fn a_call_beside_another_is_answered_on_a_free_thread() {
+        let (workers, idle) = Workers::new().unwrap();
+        let (end, told) = tokio::sync::watch::channel(());
+        let begin = |(number, thread): (usize, Idle)| {
+            let mut told = told.clone();
+            thread.begin(number, |_| async move {
+                let _ = told.changed().await;
+            })
+        };
+        let ends: Vec<_> = idle.into_iter().enumerate().map(|thread| begin(thread).unwrap()).collect();
+        let here = name();
+        assert_eq!(workers.answer(async { name() }).await.unwrap(), here, "nobody is at work here");
+        let at_work = AtWork::begin();
+        assert_eq!(workers.answer(async { name() }).await.unwrap().as_deref(), Some("serving-0"));
+        assert!(workers.answer(async { panic!("on purpose") }).await.unwrap_err().is_panic());
+        let on_each: Vec<AtWork> = workers.threads.iter().map(|thread| thread.load.at_work()).collect();
+        assert_eq!(workers.answer(async { name() }).await.unwrap(), here, "all have a call at work");
+        drop((at_work, on_each));
+        assert_eq!(workers.answer(async { name() }).await.unwrap(), here);
+        drop(end);
+        for end in ends {
+            end.await;
+        }
+    }
+}
