@@ -47,6 +47,12 @@ impl Gap {
         self.upper.nearest() <= NEAR
     }
 
+    /// They touch, whatever was rounded; exact zeros are such.
+    pub(super) fn is_surely_closed(&self) -> bool {
+        let upper = self.upper.nearest();
+        upper <= -NEAR || upper == 0.0
+    }
+
     /// A length in metres.
     pub(super) fn metres(&self, length: Double) -> f64 {
         times_power_of_two(length.nearest(), -self.exponent)

@@ -62,7 +62,7 @@ pub fn meeting(sides: [(&Solid, &Place); 2]) -> Meeting {
     let ahead = Vector { x: of_b[0] - of_a[0], y: of_b[1] - of_a[1], z: of_b[2] - of_a[2] };
     let length = ahead.length().nearest();
     if !rest.is_open() || !here.is_open() {
-        let touching_at = rest.is_closed().then_some(0.0);
+        let touching_at = rest.is_surely_closed().then_some(0.0);
         let cosine = if length > 0.0 { -rest.normal.dot(ahead).nearest() / length } else { 1.0 };
         return Meeting { touching_at, touches_at_start: true, cosine, ..never(0.0) };
     }
@@ -117,4 +117,30 @@ fn touching_after(time: Double, at: impl Fn(Double) -> Gap) -> Option<f64> {
         step *= 32.0;
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DQuat;
+
+    use super::*;
+    use crate::oracle::{Core, PlacedSolid};
+
+    /// A ball on a plane that is left: whether they touch at the start is known only where 32 digits tell it.
+    #[test]
+    fn a_gap_below_the_rounding_of_32_digits_is_no_touch_and_none_surely() {
+        let plane = Solid { core: Core::HalfSpace { normal: DVec3::X, offset: 0.0 }, radius: 0.0 };
+        let ball = Solid { core: Core::Point, radius: 0.5 };
+        let place = |solid: &Solid, position: DVec3| {
+            Place::of(&PlacedSolid { solid: solid.clone(), position, rotation: DQuat::IDENTITY })
+        };
+        let met = |gap: f64| {
+            let left = Place { displacement: -DVec3::X, ..place(&plane, DVec3::new(-0.5, 0.0, 0.0)) };
+            meeting([(&ball, &place(&ball, DVec3::new(gap, 0.0, 0.0))), (&plane, &left)])
+        };
+        let [apart, open, touching, deep] = [1e-20, 2e-27, 0.0, -1e-20].map(met);
+        assert!(apart.touching_at.is_none() && !apart.touches_at_start, "{apart:?}");
+        assert!(open.touching_at.is_none() && open.touches_at_start, "{open:?}");
+        assert_eq!([touching, deep].map(|met| met.touching_at), [Some(0.0); 2]);
+    }
 }

@@ -97,7 +97,12 @@ impl Union {
     /// Whether the walls wind around a point of the world; only of points that are off them.
     #[must_use]
     pub fn winds_around(&self, place: &Place, point: DVec3) -> bool {
-        let local = place.rotation.normalize().inverse() * (point - place.position);
+        self.winds_around_seen(place, point - place.position)
+    }
+
+    /// The same of a point as it is seen from where the form is, which far off loses nothing.
+    fn winds_around_seen(&self, place: &Place, seen: DVec3) -> bool {
+        let local = place.rotation.normalize().inverse() * seen;
         !self.walls.is_empty() && winding_number(&self.walls, local) != 0
     }
 
@@ -112,8 +117,38 @@ impl Union {
                 _ => DVec3::ZERO,
             };
             let whole = position + rotation.normalize() * local;
-            Some(other_place.position + other_place.rotation.normalize() * whole)
+            Some((other_place.position - place.position) + other_place.rotation.normalize() * whole)
         };
-        !self.walls.is_empty() && other.pieces.iter().filter_map(point_of).any(|point| self.winds_around(place, point))
+        !self.walls.is_empty()
+            && other.pieces.iter().filter_map(point_of).any(|seen| self.winds_around_seen(place, seen))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DQuat;
+
+    use super::*;
+    use crate::oracle::{Core, PlacedSolid};
+
+    /// A point a micrometre beside a wall, which far off is less than the rounding of a position.
+    #[test]
+    fn on_which_side_of_a_wall_a_form_is_does_not_depend_on_how_far_off_both_are() {
+        let corner = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let walls = faces.map(|face: [usize; 3]| face.map(|at| corner[at])).to_vec();
+        let solid = Union { pieces: Vec::new(), walls };
+        for far in [0.0, 1e8, 3e12] {
+            let place = |position: DVec3| {
+                let solid = Solid { core: Core::Point, radius: 0.0 };
+                Place::of(&PlacedSolid { solid, position, rotation: DQuat::IDENTITY })
+            };
+            for (beside, is_held) in [(1e-6, true), (-1e-6, false)] {
+                let point = DVec3::new(beside, 0.25, 0.25);
+                let other = Union::of(Solid { core: Core::Hull(vec![point]), radius: 0.0 });
+                let place = place(DVec3::splat(far));
+                assert_eq!(solid.holds_some_of(&place, &other, &place), is_held, "{beside} at {far}");
+            }
+        }
     }
 }
