@@ -307,8 +307,9 @@ pub fn penetration_warm(
     }
 }
 
-/// The first touch of `a` and `b` in motion; `None` is a proof that the way is free. Linear motions are answered to
-/// rounding at any accuracy; of those that turn the interval is as wide as `accuracy` allows.
+/// The first touch of `a` and `b` in motion; `None` is a proof that the way is free. Linear motions of convex forms are answered to
+/// rounding at any accuracy; of those that turn, and of two concave forms that stand-ins may answer for, the interval is as wide as
+/// `accuracy` allows.
 ///
 /// Normals of a mesh are those that its surface has, as in [`penetration`]. What begins in a solid mesh touches it at the start.
 /// A triangle of a one-sided mesh is touched only from its front, and, where neither turns, not by what goes along its front
@@ -337,10 +338,22 @@ pub fn impact(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
+    impact_within(a, b, motion, 1.0, accuracy, work)
+}
+
+/// As [`impact`]; also `None` where it is cheaply proved that there is no touch up to the fraction `limit` of the motion.
+fn impact_within(
+    a: Placed<'_>,
+    b: Placed<'_>,
+    motion: &Motion,
+    limit: f64,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> Option<ImpactTouch> {
     if let Some(pair) = half_space::Pair::of(&a, &b) {
         return pair.impact(motion, accuracy, work);
     }
-    if let Climb::Answered(found) = ladder::impact(&a, &b, motion, accuracy, work) {
+    if let Climb::Answered(found) = ladder::impact(&a, &b, motion, limit, accuracy, work) {
         return found;
     }
     match (a.as_convex(), b.as_convex()) {
@@ -349,11 +362,13 @@ pub fn impact(
     }
 }
 
-/// As [`impact`], of a form that may be at hand.
+/// As [`impact`], of a form that may be at hand; also `None` where it is cheaply proved that there is no touch up to the fraction `limit` of
+/// the motion.
 pub(crate) fn impact_of(
     a: Placed<'_>,
     b: Operand<'_>,
     motion: &Motion,
+    limit: f64,
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
@@ -362,7 +377,7 @@ pub(crate) fn impact_of(
         let b = PlacedConvex::new(&convex, b.placed.pose);
         return convex::impact(a, b, motion, [DVec3::ZERO; 2], accuracy, work);
     }
-    impact(a, b.placed, motion, accuracy, work)
+    impact_within(a, b.placed, motion, limit, accuracy, work)
 }
 
 /// The question needs convex parts, which a mesh, be it part of a compound, does not have yet.

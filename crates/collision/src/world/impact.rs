@@ -106,11 +106,11 @@ impl TimeOfImpact {
         path.entry(&turning_bounds(against, rotation_b), 1.0)
     }
 
-    /// The first touch of a pair, which is not before the fraction `least`.
+    /// The first touch of a pair, which is not before the fraction `least`, and of which nothing is told that is surely after `limit`.
     fn ask(
         &self,
         (subject, other): (&Side<'_>, &Side<'_>),
-        least: f64,
+        [least, limit]: [f64; 2],
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Option<Impact> {
@@ -122,7 +122,7 @@ impl TimeOfImpact {
             rotation_b,
             initial: self.initial,
         };
-        let found = narrow::impact_of(subject.placed, other.operand(), &motion, accuracy, &mut meter.work);
+        let found = narrow::impact_of(subject.placed, other.operand(), &motion, limit, accuracy, &mut meter.work);
         meter.note(|| Note::of([subject.id(), other.id()], found.map(|touch| touch.certificate)));
         let mut touch = found?;
         raise(&mut touch.fraction, &mut touch.certificate, least);
@@ -163,7 +163,7 @@ impl Snapshot {
         if let Some(other) = self.against(question.against.as_ref())? {
             meter.look()?;
             let impact = match question.least(&subject, &other) {
-                Some(least) => question.ask((&subject, &other), least, accuracy, meter),
+                Some(least) => question.ask((&subject, &other), [least, 1.0], accuracy, meter),
                 None => {
                     meter.note(|| Note::of([subject.id(), other.id()], None));
                     None
@@ -183,7 +183,7 @@ impl Snapshot {
                 && sieve.passes(&other)
             {
                 meter.look()?;
-                gathered.take(question.ask((&subject, &other), least, accuracy, meter));
+                gathered.take(question.ask((&subject, &other), [least, limit], accuracy, meter));
             }
             Ok(gathered.limit())
         })?;

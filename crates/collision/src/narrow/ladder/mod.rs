@@ -11,8 +11,9 @@
 //! | overlap, one form concave | | `Miss` if `d > Σout` |
 //! | depth of convex forms | `[D − Σin, D + Σout]` | |
 //! | first touch, one form concave | | none if stand-ins grown by `out` never touch |
+//! | first touch, both concave | from that of stand-ins grown by `out` to a time at which the geometries overlap | |
 //!
-//! A concave geometry may have hollows, so what overlaps its stand-in may not touch it: nothing here proves a
+//! A concave geometry may have hollows, so what overlaps its stand-in may not touch it: no stand-in proves a
 //! `Hit`. Convex forms tell whether they touch sooner than their stand-ins do.
 //!
 //! # Limits

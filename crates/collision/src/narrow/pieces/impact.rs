@@ -8,7 +8,7 @@ use super::{
     inside::{Held, held, instant_held},
     matter::Met,
     next, overlap,
-    sweep::{swept, turned},
+    sweep::{Span, swept, turned},
 };
 use crate::{
     accuracy::Accuracy,
@@ -28,7 +28,7 @@ pub(in crate::narrow) fn impact(
     let Ordered { first: side_a, second: side_b, is_swapped, origin } = Ordered::new(a, b);
     let (a, b, motion) = if is_swapped { (b, a, &motion.swapped()) } else { (a, b, motion) };
     let mut first = First::default();
-    first.search(&side_a, &side_b, &Ask { motion, accuracy, skin: Skin::FromBothSides }, work);
+    first.search(&side_a, &side_b, &Ask { motion, accuracy, skin: Skin::FromBothSides, span: None }, work);
     let Candidate { mut touch, feature_a } = first.winner()?;
     touch.point += origin;
     let Certificate { verdict, bound: Bound { lower, .. }, .. } = touch.certificate;
@@ -53,6 +53,8 @@ struct Ask<'a> {
     motion: &'a Motion,
     accuracy: &'a Accuracy,
     skin: Skin,
+    /// In which part of the motion pieces are sought; `None` if that is to be chosen.
+    span: Option<Span>,
 }
 
 /// How skin may be touched.
@@ -112,7 +114,15 @@ impl First {
                 Held::Open => self.take(beginning_inside(a.place().pose.position, Verdict::Undecided)),
             }
         }
-        self.search_pieces(a, b, ask, work);
+        if ask.span.is_some() {
+            return self.search_pieces(a, b, ask, work);
+        }
+        for span in Span::of(a, b, ask.motion) {
+            if span.reaches(self.limit) < 0.0 {
+                break;
+            }
+            self.search_pieces(a, b, &Ask { span: Some(span), ..*ask }, work);
+        }
     }
 
     fn search_pieces(&mut self, a: &Side<'_>, b: &Side<'_>, ask: &Ask<'_>, work: &mut Work) {
@@ -132,22 +142,24 @@ impl First {
             }
             Next::SplitFirst(a, b) => {
                 let ask = &self.meet(Met::of_pair(a, b, work), ask);
-                let (path, _) = swept(a, b, &ask.motion.swapped());
-                a.along(&path, self.limit, work, |piece, work| {
+                let span = ask.span.unwrap_or(Span::WHOLE);
+                let (path, _) = swept(a, b, &ask.motion.swapped(), span);
+                a.along(&path, span.reaches(self.limit), work, |piece, work| {
                     self.search(&piece, b, ask, work);
-                    self.limit
+                    span.reaches(self.limit)
                 });
             }
             Next::SplitSecond(a, b) => {
                 let ask = &self.meet(Met::of_pair(b, a, work).map(Met::swapped), ask);
-                let (path, rod) = swept(b, a, ask.motion);
-                b.along(&path, self.limit, work, |piece, work| {
+                let span = ask.span.unwrap_or(Span::WHOLE);
+                let (path, rod) = swept(b, a, ask.motion, span);
+                b.along(&path, span.reaches(self.limit), work, |piece, work| {
                     if rod.as_ref().is_some_and(|rod| rod.is_clear_of(&piece, self.limit)) {
                         work.pairs_tested += 1;
                     } else {
                         self.search(a, &piece, ask, work);
                     }
-                    self.limit
+                    span.reaches(self.limit)
                 });
             }
         }

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::{Concave, Piece, Side, matter::Met};
+use super::{Concave, Piece, Side, instant::at_instant, matter::Met};
 use crate::{
     answer::Work,
     math::{Pose, exact::exact_difference},
@@ -57,19 +57,10 @@ pub(super) fn instant_held<'a>(
     if !at_home(a) && !at_home(b) {
         return None;
     }
-    // Seen from where `b` begins and with it, so that what is far from the origin loses nothing.
-    let (apart, way) = (a.pose.position - b.pose.position, motion.displacement_a - motion.displacement_b);
-    let reach = a.geometry.reach() + b.geometry.reach();
-    let angle = motion.rotation_a.length() + motion.rotation_b.length();
-    let blur = RELATIVE_POSE * (apart.length() + way.length() + reach) * (1.0 + angle);
     let mut ahead = FIRST_STEP;
     while ahead < 4.0 {
         let instant = (time + ahead).min(1.0);
-        let at = |placed: Placed<'a>, position: DVec3, turn: DVec3| {
-            let pose = Pose::new(position, placed.pose.rotation_after(turn, instant));
-            Side::of(placed.geometry, Place { pose, blur, arm: DVec3::ZERO }, None)
-        };
-        let (moved, stood) = (at(a, apart + way * instant, motion.rotation_a), at(b, DVec3::ZERO, motion.rotation_b));
+        let [moved, stood] = at_instant(a, b, motion, instant);
         let is_held = matches!(held(&moved, &stood, work), Held::Surely(_));
         if is_held || lies_in_matter(&moved, &stood, work) || lies_in_matter(&stood, &moved, work) {
             return Some(instant);

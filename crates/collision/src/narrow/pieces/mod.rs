@@ -23,6 +23,7 @@ mod distance;
 mod facet;
 mod impact;
 mod inside;
+mod instant;
 mod matter;
 mod overlap;
 mod penetration;
@@ -37,6 +38,7 @@ use self::{concave::Concave, facet::Facet, stand_in::StandIns};
 pub(super) use self::{
     distance::distance,
     impact::{First, impact},
+    instant::{is_felt_from_both_sides, touch_at},
     overlap::overlap,
     penetration::penetration,
 };

@@ -20,8 +20,13 @@ use crate::{
 /// touched, or may be, there is no lower bound.
 pub(in crate::narrow) fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
     let Ordered { first, second, .. } = Ordered::new(a, b);
+    overlap_of(&first, &second, accuracy, work)
+}
+
+/// The same of two sides.
+pub(super) fn overlap_of(a: &Side<'_>, b: &Side<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
     let mut touching = Touching::nothing();
-    touching.search(&first, &second, accuracy, work);
+    touching.search(a, b, accuracy, work);
     touching.certificate
 }
 
