@@ -116,9 +116,17 @@ fn worst(ratios: [Option<f64>; 2]) -> Option<f64> {
 #[must_use]
 pub fn climb(settings: &Climb) -> Vec<Find> {
     let mut random = Random::new(settings.seed);
+    let begun: Vec<Find> = (0..settings.starts).map(|start| Find::random(random.bits(), start)).collect();
+    climb_from(begun, settings)
+}
+
+/// The same from given questions in place of random ones: without steps they are only measured anew. Those about which nothing can be
+/// measured are left out.
+#[must_use]
+pub fn climb_from(begun: Vec<Find>, settings: &Climb) -> Vec<Find> {
+    let mut random = Random::new(!settings.seed);
     let mut finds: Vec<Find> = Vec::new();
-    for start in 0..settings.starts {
-        let begun = Find::random(random.bits(), start);
+    for begun in begun {
         let Some(mut best) = begun.measured() else { continue };
         for _ in 0..settings.steps {
             let mut next = best.clone();

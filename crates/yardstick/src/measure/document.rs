@@ -66,7 +66,8 @@ const SHOWN: [(Name, Kind); 6] = [
 ];
 
 /// Questions of a kind on real assets, which take long; those about a way longest.
-const REAL: [(Kind, usize); 3] = [(Kind::Distance, 24), (Kind::Overlap, 40), (Kind::Impact, 24)];
+const REAL: [(Kind, usize); 4] =
+    [(Kind::Distance, 24), (Kind::Overlap, 40), (Kind::Impact, 24), (Kind::TurningImpact, 12)];
 
 const INTRODUCTION: &str = "# What accuracy costs\n\n\
 Written by `cargo run --release -p yardstick -- accuracy docs` (after `cargo run --release --manifest-path benches/peers/Cargo.toml --bin wrong > \

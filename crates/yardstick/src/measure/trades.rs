@@ -1,4 +1,5 @@
-//! For each kind of question, the scene where asking for less buys most, and what else was measured where it buys nothing.
+//! For each kind of question, the scene where stand-ins buy most and the one where an error alone does, and what else was measured where
+//! they buy nothing.
 
 use std::fmt::Write;
 
@@ -10,44 +11,66 @@ const SHOWN: [&str; 3] = ["1e0", "1e-1", "1e-3"];
 /// Less than this is not called a gain.
 const WORTH: f64 = 1.5;
 
-/// Why a kind gains nothing, where it does not.
-fn reason(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Raycast => {
-            "no stand-in answers a ray: one that is off by a millimetre is off by any length along a ray that grazes it, and the last \
-digits of a ray cost less than the boxes on its way"
+/// What is compared.
+#[derive(Clone, Copy, PartialEq)]
+enum Bought {
+    /// The same error, with stand-ins and without.
+    ByStandIns,
+    /// An error, without stand-ins, and none.
+    ByError,
+}
+
+impl Bought {
+    /// Why a kind gains nothing, where it does not.
+    fn reason(self, kind: Kind) -> &'static str {
+        match (self, kind) {
+            (_, Kind::Raycast) => {
+                "nothing stands in for a form that a ray meets: one that is off by a millimetre is off by any length along a ray that \
+grazes it, and the last digits of a ray cost less than the boxes on its way"
+            }
+            (Self::ByError, Kind::Overlap) => {
+                "whether two forms touch is told to the last digit wherever it is not plain before"
+            }
+            (Self::ByError, Kind::Impact) => {
+                "straight motions end at a face, an edge or a corner, and are answered to rounding at any error"
+            }
+            (Self::ByStandIns, Kind::Penetration) => {
+                "a depth that a stand-in tells is off by as much as that is, and forms are seldom in each other by much more"
+            }
+            (Self::ByError, Kind::Distance | Kind::Penetration) => {
+                "forms with flat faces end in a few steps at any error"
+            }
+            (Self::ByError, Kind::TurningImpact) => {
+                "the way of what turns is proved in steps, each of which takes a gap"
+            }
+            (Self::ByStandIns, _) => "what is asked here is told by the geometries as soon",
         }
-        Kind::Overlap => "whether two forms touch is told to the last digit wherever it is not plain before",
-        Kind::Distance | Kind::Penetration => "forms with flat faces end in a few steps at any error",
-        Kind::Impact => {
-            "straight motions end at a face, an edge or a corner, and are answered to rounding at any error; a stand-in only proves that a \
-way is free, of one mesh past others"
-        }
-        Kind::TurningImpact => "the way of what turns is proved in steps, each of which takes a gap",
     }
 }
 
-/// How many times as long as a setting the exact tier takes, in the mean.
+/// How many times as long the same question takes without what is bought.
 struct Trade<'a> {
     row: &'a Row,
-    exact: &'a Row,
-    without: Option<&'a Row>,
+    before: &'a Row,
 }
 
 impl Trade<'_> {
     fn gain(&self) -> f64 {
-        self.exact.time_ns[0] / self.row.time_ns[0]
+        self.before.time_ns[0] / self.row.time_ns[0]
     }
 }
 
 /// The best scene at a relative error.
-fn best<'a>(reports: &[&'a Report], kind: Kind, label: &str) -> Option<Trade<'a>> {
+fn best<'a>(reports: &[&'a Report], bought: Bought, kind: Kind, label: &str) -> Option<Trade<'a>> {
     let trades = reports.iter().filter_map(|report| {
         let find = |knob: Knob, label: &str| {
             report.rows.iter().find(|row| row.kind == kind && row.knob == knob && row.label == label && row.count > 0)
         };
-        let (row, exact) = (find(Knob::MaxErrorRelative, label)?, find(Knob::Tier, "EXACT")?);
-        Some(Trade { row, exact, without: find(Knob::NoStandIns, label) })
+        let without = find(Knob::NoStandIns, label)?;
+        Some(match bought {
+            Bought::ByStandIns => Trade { row: find(Knob::MaxErrorRelative, label)?, before: without },
+            Bought::ByError => Trade { row: without, before: find(Knob::Tier, "EXACT")? },
+        })
     });
     trades.max_by(|a, b| a.gain().total_cmp(&b.gain()))
 }
@@ -55,36 +78,52 @@ fn best<'a>(reports: &[&'a Report], kind: Kind, label: &str) -> Option<Trade<'a>
 /// Writes the section.
 pub(super) fn trades(out: &mut String, reports: &[&Report]) {
     out.push_str(
-        "## What each kind of question gains\n\nFor each kind and relative error the scene where that gains most over the exact tier, in the mean. Errors are true ones; no \
-interval is wider than the last but one column says. Without stand-ins: the same error where only the geometries themselves may answer, so what is gained beside that \
-is gained by tolerance alone.\n\n| question | `max_error_relative` | scene | exact, ns | mean, ns | gained | without stand-ins, ns | largest error | widest interval | open |\n\
+        "## What each kind of question gains\n\nMean times. Errors are true ones; no interval is wider than the last but one column says.\n\n\
+### By stand-ins\n\nFor each kind and relative error the scene where it gains most that stand-ins may answer, beside the same error where only the geometries \
+themselves may. The last column says how many of the answers name a stand-in; others gain by what stand-ins prove not to be touched.\n\n",
+    );
+    table(out, reports, Bought::ByStandIns);
+    out.push_str(
+        "### By an error alone\n\nFor each kind and relative error the scene where that gains most over the exact tier, with no stand-in allowed in either.\n\n",
+    );
+    table(out, reports, Bought::ByError);
+}
+
+fn table(out: &mut String, reports: &[&Report], bought: Bought) {
+    let before = match bought {
+        Bought::ByStandIns => "without, ns",
+        Bought::ByError => "exact, ns",
+    };
+    let _ = write!(
+        out,
+        "| question | `max_error_relative` | scene | {before} | mean, ns | gained | largest error | widest interval | open | stood in |\n\
 |---|---|---|---|---|---|---|---|---|---|\n",
     );
     let mut words = String::new();
     for kind in Kind::ALL {
-        let found: Vec<Trade<'_>> = SHOWN.iter().filter_map(|label| best(reports, kind, label)).collect();
+        let found: Vec<Trade<'_>> = SHOWN.iter().filter_map(|label| best(reports, bought, kind, label)).collect();
         for trade in &found {
-            let Trade { row, exact, without } = trade;
-            let without = without.map_or("–".to_owned(), |row| format!("{:.0}", row.time_ns[0]));
+            let Trade { row, before } = trade;
             let [error, width] = match kind {
                 Kind::Overlap => ["–".to_owned(), "–".to_owned()],
                 _ => [row.error[2], row.width[2]].map(|metres| format!("{metres:.0e} m")),
             };
             let _ = writeln!(
                 out,
-                "| {} | {} | {} | {:.0} | {:.0} | {:.1}× | {without} | {error} | {width} | {:.0} % |",
+                "| {} | {} | {} | {:.0} | {:.0} | {:.1}× | {error} | {width} | {:.0} % | {:.0} % |",
                 kind.text(),
                 row.label,
                 row.scene,
-                exact.time_ns[0],
+                before.time_ns[0],
                 row.time_ns[0],
                 trade.gain(),
                 row.open * 100.0,
+                row.stood_in * 100.0,
             );
         }
         let most = found.iter().map(Trade::gain).fold(0.0, f64::max);
         if most < WORTH {
-            let _ = writeln!(words, "- **{}**: at most {most:.1}×: {}.", kind.text(), reason(kind));
+            let _ = writeln!(words, "- **{}**: at most {most:.1}×: {}.", kind.text(), bought.reason(kind));
         }
     }
     if !words.is_empty() {

@@ -6,7 +6,7 @@ use std::{
     path::PathBuf,
 };
 
-use yardstick::attack::{Climb, climb, faults};
+use yardstick::attack::{Climb, Find, climb, climb_from, faults};
 
 #[derive(clap::Args)]
 pub(crate) struct AttackArguments {
@@ -22,6 +22,9 @@ pub(crate) struct AttackArguments {
     /// How many of the worst to keep of each sort.
     #[arg(long, value_name = "COUNT", default_value_t = 12)]
     keep: usize,
+    /// Begin from the finds in this file, in place of random questions; with `--steps 0` they are only measured anew.
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
     /// Write them to this file as JSON: `crates/yardstick/attacks.json` is asked again by a test.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -30,7 +33,15 @@ pub(crate) struct AttackArguments {
 /// Runs it, and says the exit code: 0, or 1 if an answer is wrong.
 pub(crate) fn attack(arguments: &AttackArguments) -> io::Result<u8> {
     let AttackArguments { seed, starts, steps, keep, .. } = *arguments;
-    let finds = climb(&Climb { seed, starts, steps, keep });
+    let settings = Climb { seed, starts, steps, keep };
+    let (finds, begun) = match &arguments.from {
+        None => (climb(&settings), starts as usize),
+        Some(path) => {
+            let kept: Vec<Find> = serde_json::from_slice(&fs::read(path)?).map_err(io::Error::from)?;
+            let begun = kept.len();
+            (climb_from(kept, &settings), begun)
+        }
+    };
     let mut out = io::stdout().lock();
     for find in &finds {
         let forms: Vec<&str> = find.forms.iter().map(|form| form.core.as_str()).collect();
@@ -49,6 +60,6 @@ pub(crate) fn attack(arguments: &AttackArguments) -> io::Result<u8> {
         fs::write(path, format!("[\n{}\n]\n", lines.map_err(io::Error::from)?.join(",\n")))?;
     }
     let wrong = finds.iter().filter(|find| find.ratio > 1.0).count();
-    writeln!(out, "{} kept of {starts}, {wrong} wrong", finds.len())?;
+    writeln!(out, "{} kept of {begun}, {wrong} wrong", finds.len())?;
     Ok(u8::from(wrong > 0))
 }
