@@ -245,9 +245,6 @@ pub fn depth(a: Placed<'_>, b: Placed<'_>, max_gap: f64, accuracy: &Accuracy, wo
     if let Some(pair) = half_space::Pair::of(&a, &b) {
         return pair.depth(max_gap, work);
     }
-    if let Climb::Answered(found) = ladder::depth(&a, &b, max_gap, accuracy, work) {
-        return found;
-    }
     convex::depth(a.as_convex()?, b.as_convex()?, max_gap, accuracy, work)
 }
 
@@ -276,9 +273,6 @@ pub fn penetration(
 ) -> Result<Contacts, NeedsDecomposition> {
     if let Some(pair) = half_space::Pair::of(&a, &b) {
         return Ok(pair.penetration(max_gap, work));
-    }
-    if let Climb::Answered(found) = ladder::penetration(&a, &b, max_gap, accuracy, work) {
-        return Ok(found);
     }
     match (a.as_convex(), b.as_convex()) {
         (Some(a), Some(b)) => Ok(convex::penetration(a, b, max_gap, accuracy, work).into_iter().collect()),

@@ -98,7 +98,7 @@ fn spans_of_a_turn_leave_out_nothing_that_is_touched() {
     let exact = Accuracy::of(Tier::Exact);
     let mut touched = 0;
     // One of each pair at least is of few triangles.
-    for number in (0..60).filter(|number| number % 3 != 2) {
+    for number in (0..24).filter(|number| number % 3 != 2) {
         let (bodies, motion) = meeting(&mut noise, 2 * number);
         let [a, b] = [bodies[0].placed(), bodies[1].placed()];
         let found = narrow::impact(a, b, &motion, &exact, &mut Work::default());
@@ -123,5 +123,5 @@ fn spans_of_a_turn_leave_out_nothing_that_is_touched() {
             found => panic!("{number}: {found:?}"),
         }
     }
-    assert!((13..40).contains(&touched), "vacuous: {touched}");
+    assert!((5..16).contains(&touched), "vacuous: {touched}");
 }

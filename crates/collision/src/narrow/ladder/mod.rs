@@ -9,7 +9,6 @@
 //! |---|---|---|
 //! | distance | `[d − Σout, d + Σin]`, the upper side where `d > 0` or both forms are convex | |
 //! | overlap, one form concave | | `Miss` if `d > Σout` |
-//! | depth of convex forms | `[D − Σin, D + Σout]` | |
 //! | first touch, one form concave | | none if stand-ins grown by `out` never touch |
 //! | first touch, both concave | from that of stand-ins grown by `out` to a time at which the geometries overlap | |
 //!
@@ -18,9 +17,10 @@
 //!
 //! # Limits
 //! Only a question that names an error may be answered so: see [`Accuracy::may_stand_in`]. Which rung answers follows from the
-//! pair and the question, never from what is built. Rays are asked of the geometry.
+//! pair and the question, never from what is built. Rays are asked of the geometry, and so are depths: of large hulls a simplified one
+//! was good enough for one in two to a tenth, and asking it first took a fifth more on the whole, measured with hulls of animals and
+//! with coins.
 
-mod depth;
 mod distance;
 mod impact;
 mod overlap;
@@ -30,12 +30,7 @@ use std::borrow::Cow;
 use glam::DVec3;
 
 pub use self::distance::distance_on;
-pub(super) use self::{
-    depth::{depth, penetration},
-    distance::distance,
-    impact::impact,
-    overlap::overlap,
-};
+pub(super) use self::{distance::distance, impact::impact, overlap::overlap};
 use super::{Placed, convex::PlacedConvex, place::Place};
 use crate::{
     accuracy::Accuracy,
@@ -228,7 +223,7 @@ fn has_slim_box(placed: &Placed<'_>) -> bool {
     along_axes.x * along_axes.y * along_axes.z > SLIM * (own.x * own.y * own.z)
 }
 
-/// The two are no farther apart than this, nor deeper in each other, to within rounding. Tells what is not worth asking, proves
+/// The two are no farther apart than this, to within rounding. Tells what is not worth asking, proves
 /// nothing.
 fn farthest(a: &Placed<'_>, b: &Placed<'_>) -> f64 {
     (a.pose.position - b.pose.position).norm() + a.geometry.reach() + b.geometry.reach()
