@@ -9,7 +9,10 @@ use collision::{
     shape::{Geometry, Terrain},
 };
 
-use crate::agree::{EXACT, at, work};
+use crate::{
+    agree::{EXACT, at, rotation, work},
+    whole::Numbers,
+};
 
 fn flat_land() -> Geometry {
     let heights = [0.0; 9];
@@ -95,4 +98,30 @@ fn what_a_budget_leaves_open_is_no_touch_of_a_terrain() {
     assert_ne!(overlap(a, b, &EXACT, &mut work()).verdict, Verdict::Hit);
     let contacts = penetration(a, b, 0.0, &Accuracy::of(Tier::Fast), &mut work()).expect("one is convex");
     assert!(contacts.iter().all(|contact| contact.certificate.verdict != Verdict::Hit), "{contacts:?}");
+}
+
+/// Ridges a thousand metres high on cells of a micrometre: needles whose normals lost their digits, so that the points on their
+/// planes lay off them.
+#[test]
+fn no_point_of_a_contact_of_needles_is_deeper_than_the_contact() {
+    let heights = [-1e12, 1.0, -1e12, 0.0, 1.0, 0.0, 1e12, 0.0, 1.0, 0.0, 0.0, 0.0, -1e-5, 1e-6, 1.0];
+    let spacing = DVec3::new(1.0 / 1_048_576.0, 1e-9, 1e-9);
+    let terrain = Terrain { columns: 3, rows: 5, heights: &heights, spacing, holes: &[7, 2] };
+    let land = Geometry::height_field(&terrain).expect("a terrain");
+    let mut points = 0;
+    for round in 0..400 {
+        let mut numbers = Numbers::new(211 + round);
+        let place = numbers.shares() * 1e-6;
+        let there = Pose::new(place, rotation(&mut numbers));
+        for contact in
+            penetration(at(&land, Pose::IDENTITY), at(&land, there), 0.0, &EXACT, &mut work()).unwrap_or_default()
+        {
+            for point in &contact.points {
+                points += 1;
+                let beyond = point.bound.lower - contact.certificate.bound.upper;
+                assert!(beyond <= 1e-12 * 4e3, "round {round}: {beyond:e} m deeper: {contact:?}");
+            }
+        }
+    }
+    assert!(points > 100, "{points}");
 }

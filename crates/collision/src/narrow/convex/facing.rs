@@ -9,7 +9,7 @@ use smallvec::{SmallVec, smallvec};
 
 use super::body::{Body, Corner};
 use crate::{
-    math::Norm,
+    math::{Norm, exact},
     shape::{Core, Hull},
     tolerance::FLAT_CONTACT_SINE,
 };
@@ -95,7 +95,8 @@ pub(super) fn facing(body: &Body<'_>, direction: DVec3) -> Facing {
         Core::Triangle(_) => {
             let corners: Corners = (0..3).map(|index| body.corner(index)).collect();
             let [a, b, c] = [0, 1, 2].map(|i: usize| corners[i].point);
-            let normal = (b - a).cross(c - a).try_unit().unwrap_or_default();
+            // A needle's normal must be right to its last digits: what it leans by lifts the plane at the far end.
+            let normal = exact::cross(b - a, c - a).try_unit().unwrap_or_default();
             Facing::face(corners, normal, direction)
         }
         Core::Point | Core::Segment { .. } | Core::Ellipsoid { .. } => Facing::corner(body, direction),
