@@ -5,7 +5,7 @@ use collision::{
     accuracy::{Accuracy, Tier},
     answer::{Certificate, Stop, Work},
     math::Pose,
-    narrow,
+    narrow::{self, Warm},
     shape::{Geometry, GeometryError},
 };
 
@@ -138,4 +138,36 @@ fn gaps_that_were_lost_among_slivers() {
     let exact = Accuracy::of(Tier::Exact);
     let found = narrow::depth(a.placed(), b.placed(), 1.0, &exact, &mut Work::default()).expect("near");
     assert_settled(&found.certificate, 1.9503396219618254e-14, 1.5, "needle and hull");
+}
+
+/// A needle whose width is a rounding of what it lies across, and a rod: a search that began with what was nearest at another pose
+/// ended beside the needle, though the cores cross.
+#[test]
+fn a_warm_contact_of_needles_is_as_narrow_as_a_cold_one() {
+    let needle = hull(&[
+        [0.0, 2.982599465413215e-13, -5e-324],
+        [-0.0, 2.557979727583808e-173, -5e-324],
+        [8.8092133174e-314, 5e-324, 5e-324],
+        [-5.633916905907569e-164, 1.6521486649871223e-12, 0.0],
+        [-5e-324, -8.060819950939724e-13, -2.801571983281584e-164],
+        [-6.045272535036245e-164, -1.1893562041176087e-12, -0.0],
+        [-1.0673940297711057e-163, 7.549574261201007e-13, 0.0007712933326366133],
+    ]);
+    let rod = hull(&[[0.0005466646424781524, 0.0, 0.0], [5e-324, 0.0, 0.0], [-0.00043109262605134206, 0.0, 0.0]]);
+    let rod = rod.and_then(|rod| rod.rounded(1.459434380204321e-5));
+    let turn_a = [-0.24975748017695168, -0.6726638511650104, 0.6955724298787926, -0.03638047861186321];
+    let turn_b = [-0.7734594253545455, -0.8782449716855545, 0.6325993342459572, -1.2029998325081588];
+    let (a, b) = (body(needle, [0.0; 3], turn_a), body(rod, [0.0; 3], turn_b));
+    let exact = Accuracy::of(Tier::Exact);
+    let noise = &mut Noise(83);
+    for _ in 0..20_000 {
+        let nearness = 10.0_f64.powf(noise.between(-16.0, -3.0));
+        let before =
+            Pose::new(noise.vector() * nearness, if noise.signed() > 0.0 { noise.rotation() } else { b.pose.rotation });
+        let (warm, work) = (&mut Warm::default(), &mut Work::default());
+        let there = narrow::Placed { pose: before, ..b.placed() };
+        narrow::penetration_warm(a.placed(), there, 0.0, &exact, warm, work).expect("convex forms");
+        let found = narrow::penetration_warm(a.placed(), b.placed(), 0.0, &exact, warm, work).expect("convex forms");
+        assert_settled(&found[0].certificate, 1.459434380204321e-5, 1.5e-3, &format!("from {before:?}"));
+    }
 }

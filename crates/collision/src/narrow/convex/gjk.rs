@@ -190,20 +190,21 @@ impl Gap {
     ///
     /// Portal refinement: Snethen, "Xenocollide" (Game Programming Gems 7, 2008).
     fn polish(&mut self, pair: &Pair<'_>, toward: DVec3, length: f64) -> bool {
-        let mut features = self.simplex;
+        let (mut features, mut nearest) = (self.simplex, length);
         for _ in 0..POLISH_ROUNDS {
             let vertex = self.raise_lower(pair, feature_normal(&features, toward), 1.0);
-            if features.contains(&vertex) || length - self.lower <= 2.0 * PAIR_ROUNDING {
+            if features.contains(&vertex) || nearest - self.lower <= 2.0 * PAIR_ROUNDING {
                 break;
             }
             features = features.grown_or_swapped(&vertex);
+            // Features of slivers may be given up for others that lie farther off.
+            let next = features.nearest();
+            let next_length = next.point().norm();
+            if next_length < nearest {
+                (self.simplex, nearest) = (next, next_length);
+            }
         }
-        let next = features.nearest();
-        let is_nearer = next.point().norm() < length;
-        if is_nearer {
-            self.simplex = next;
-        }
-        is_nearer
+        nearest < length
     }
 
     /// The same by the normals that straight features have exactly, where that left more than rounding: beside round cores. Their
