@@ -5,11 +5,10 @@
 /// Half a unit in the last place of 1: one rounded f64 operation is off by at most this part of its result.
 pub const ROUNDING: f64 = f64::EPSILON / 2.0;
 
-/// Widens the exit of a slab test so that no box is lost: `t = fl(fl(wall − origin) · fl(1/d))` has three roundings, so it
-/// is off by γ₃ of itself, and so is the `t` it is compared with: `1 + 2γ₃` (Ize 2013), here with one more rounding for
-/// the product itself. Smaller loses rays that graze edges; larger only visits more nodes. [`SLAB_SLACK`] covers the
-/// same rounding once more as long as it is taken relative to the farthest coordinate of a whole tree, so
-/// `tests/broad/fixed.rs` fails only if both are too small.
+/// Widens the exit of a slab test so that no box is lost: `t = fl(fl(wall − origin) · fl(1/d))` has three roundings, so it is off by γ₃ of
+/// itself, and so is the `t` it is compared with: `1 + 2γ₃` (Ize 2013), here with one more rounding for the product itself. Smaller loses
+/// rays that graze edges; larger only visits more nodes. [`SLAB_SLACK`] covers the same rounding once more as long as it is taken relative
+/// to the farthest coordinate of a whole tree, so `tests/broad/fixed.rs` fails only if both are too small.
 pub const SLAB_WIDENING: f64 = 1.0 + 8.0 * ROUNDING;
 
 /// Turns a computed entry (three roundings, as above) or a length that is the root of a sum of three squares (at most
@@ -22,16 +21,14 @@ pub const SLAB_NARROWING: f64 = 1.0 - 8.0 * ROUNDING;
 /// Smaller loses rays that lie in a wall; larger only visits more nodes. Pinned by `tests/broad/fixed.rs`.
 pub const SLAB_SLACK: f64 = 8.0 * ROUNDING;
 
-/// A sum of squares above this has all its digits: the smallest normal number, with room for the digits of squares that
-/// are 2⁻⁵³ of the largest. Below it a length is taken as 0 where a lower bound is asked, and a vector
-/// has no direction: that is lengths of 1e-138 m. Smaller, and unit vectors have another length. Pinned by
-/// `what_has_no_exact_square_has_no_unit_vector` in `math/norm.rs`.
+/// A sum of squares above this has all its digits: the smallest normal number, with room for the digits of squares that are 2⁻⁵³ of the
+/// largest. Below it a length is taken as 0 where a lower bound is asked, and a vector has no direction: that is lengths of 1e-138 m.
+/// Smaller, and unit vectors have another length. Pinned by `what_has_no_exact_square_has_no_unit_vector` in `math/norm.rs`.
 pub const SQUARE_MIN: f64 = 1e-276;
 
-/// A component of `a × b` is off by less than this part of `2·max|a|·max|b|`, the rounding of `a` and `b` themselves as
-/// differences included: two factors of one rounding each, a product and a difference make four, and two are spare.
-/// Larger: more triangles take the exact test. Smaller: an area might be seen where there is none. Test:
-/// `geometry_mesh.rs`, slivers.
+/// A component of `a × b` is off by less than this part of `2·max|a|·max|b|`, the rounding of `a` and `b` themselves as differences
+/// included: two factors of one rounding each, a product and a difference make four, and two are spare. Larger: more triangles take the
+/// exact test. Smaller: an area might be seen where there is none. Test: `geometry_mesh.rs`, slivers.
 pub const CROSS_PRODUCT: f64 = 12.0 * ROUNDING;
 
 /// How far the height of a point above a corner, along the unit normal of a triangle or of one of its sides, may be off as a
@@ -40,11 +37,10 @@ pub const CROSS_PRODUCT: f64 = 12.0 * ROUNDING;
 /// undecided. Smaller: a point on the surface might be taken for one inside. Test: `geometry_solid.rs`, balls.
 pub const TRIANGLE_PLANE: f64 = 64.0 * ROUNDING;
 
-/// The sine of the angle by which the surface of a mesh may rise along a direction that still counts as its normal there, and
-/// by which a triangle may lean that is still touched with its face: 2⁻²⁰, a millionth. Normals of gaps are right to far
-/// less, but those of round forms that all but touch are not. Larger: a form may feel an edge of a flat floor.
-/// Smaller: where no triangle's normal is right enough, all are taken for those of edges beside it. Pinned by
-/// `tests/mesh_floors.rs`.
+/// The sine of the angle by which the surface of a mesh may rise along a direction that still counts as its normal there, and by which a
+/// triangle may lean that is still touched with its face: 2⁻²⁰, a millionth. Normals of gaps are right to far less, but those of round
+/// forms that all but touch are not. Larger: a form may feel an edge of a flat floor. Smaller: where no triangle's normal is right enough,
+/// all are taken for those of edges beside it. Pinned by `tests/mesh_floors.rs`.
 pub const SURFACE_LEAN: f64 = 1.0 / 1_048_576.0;
 
 /// A triangle's `a × b` that is smaller than this part of `max|a|·max|b|`, 2⁻⁴⁰, is found by exact sums. Where it is larger, the
@@ -153,15 +149,13 @@ pub const SIEVE_CORNER: f64 = 4.0 * f32::EPSILON as f64;
 /// The same of an area of two such corners, as a part of the square of the larger coordinate: 4 roundings, and 8 are taken.
 pub const SIEVE_AREA: f32 = 4.0 * f32::EPSILON;
 
-/// Where a triangle's plane is met only to within this many times the ray's error, exact sums are used if they can be: at
-/// grazing incidence, and for slivers. Larger: wider intervals (`ray_data.rs` bounds them); smaller: more time. Never a
-/// verdict.
+/// Where a triangle's plane is met only to within this many times the ray's error, exact sums are used if they can be: at grazing
+/// incidence, and for slivers. Larger: wider intervals (`ray_data.rs` bounds them); smaller: more time. Never a verdict.
 pub const RAY_GRAZING: f64 = 32.0;
 
-/// A quotient of two exact sums, each estimated to 3 roundings, times a length (4) and by another quotient and product: 12;
-/// twice that and some for sums whose parts overlap in no bit but round upwards together. As a part of the distance.
-/// Larger: wider intervals. Smaller: one might not hold the truth. Test: `ray_exact.rs`, grazing
-/// rays, to within the rounding of its own truth.
+/// A quotient of two exact sums, each estimated to 3 roundings, times a length (4) and by another quotient and product: 12; twice that and
+/// some for sums whose parts overlap in no bit but round upwards together. As a part of the distance. Larger: wider intervals. Smaller: one
+/// might not hold the truth. Test: `ray_exact.rs`, grazing rays, to within the rounding of its own truth.
 pub const EXACT_MEETING: f64 = 32.0 * ROUNDING;
 
 /// Widens a length that is turned into a `t` of a search by dividing it by the length of the direction (root of a sum of
@@ -170,18 +164,16 @@ pub const EXACT_MEETING: f64 = 32.0 * ROUNDING;
 /// only visits more nodes. Pinned by `what_ends_at_the_limit_is_still_offered` in `world/raycast.rs`.
 pub const LIMIT_WIDENING: f64 = 1.0 + 64.0 * ROUNDING;
 
-/// How far the height of a point above a plane may be from the exact one, as a part of the sum of the sizes that make it up
-/// (the components of the difference of positions, and the offset), before it is rounded to one f64: 256·2⁻¹⁰⁶. Each
-/// operation in numbers of twice the length is off by 16·2⁻¹⁰⁶ at most, most by 3 to 5. A turned normal is the product of
-/// 3 of them in a row and 5 sums, a unit one of a root and a quotient more: 100 in all; the height adds a product and 3
-/// sums. Larger: wider intervals, at heights below 2⁻⁹⁸ of the way only. Smaller: one might miss the truth. Pinned by
-/// `a_turned_normal_is_right_to_twice_the_digits` in `narrow/half_space/plane.rs`.
+/// How far the height of a point above a plane may be from the exact one, as a part of the sum of the sizes that make it up (the components
+/// of the difference of positions, and the offset), before it is rounded to one f64: 256·2⁻¹⁰⁶. Each operation in numbers of twice the
+/// length is off by 16·2⁻¹⁰⁶ at most, most by 3 to 5. A turned normal is the product of 3 of them in a row and 5 sums, a unit one of a root
+/// and a quotient more: 100 in all; the height adds a product and 3 sums. Larger: wider intervals, at heights below 2⁻⁹⁸ of the way only.
+/// Smaller: one might miss the truth. Pinned by `a_turned_normal_is_right_to_twice_the_digits` in `narrow/half_space/plane.rs`.
 pub const TWOFOLD_HEIGHT: f64 = 256.0 * ROUNDING * ROUNDING;
 
-/// What the lowest point of an unturned form along a unit normal costs, as a part of its reach: the normal is the nearest to
-/// the true one (1, as a vector), the dot product has 3 roundings, and so has the comparison that chose the corner; the
-/// point of a round core has 6. Larger: wider intervals. Smaller: one might miss the truth. Pinned by
-/// `intervals_hold_the_exact_height` in `tests/convex/half_space.rs`.
+/// What the lowest point of an unturned form along a unit normal costs, as a part of its reach: the normal is the nearest to the true one
+/// (1, as a vector), the dot product has 3 roundings, and so has the comparison that chose the corner; the point of a round core has 6.
+/// Larger: wider intervals. Smaller: one might miss the truth. Pinned by `intervals_hold_the_exact_height` in `tests/convex/half_space.rs`.
 pub const LOWEST_POINT: f64 = 16.0 * ROUNDING;
 
 /// The same for a turned form: the entries of its rotation are right to 32 roundings, 3 of √3 of them make 104 as a vector,
@@ -193,11 +185,10 @@ pub const TURNED_LOWEST_POINT: f64 = 128.0 * ROUNDING;
 /// Larger: more triangles come to a kernel. Smaller: a touch might be passed over. Test: `narrow/pieces/rod.rs`, touches.
 pub const AXIS_ROUNDING: f64 = 16.0 * ROUNDING;
 
-/// One form's pose in the frame of another is off by less than this part of their distance and reach: 111 roundings for a
-/// position turned into the frame, and 4 · 30 · √3 for the product of two rounded unit quaternions as a rotation, 319
-/// together. The pose of a part of a compound is off by as much, counted as a length. Larger: more triangles are looked at, and
-/// intervals of parts are wider; smaller: one might not be, or miss the truth. Test: `pieces_laws.rs`, exact touch, and
-/// `compounds.rs`, whole rotations.
+/// One form's pose in the frame of another is off by less than this part of their distance and reach: 111 roundings for a position turned
+/// into the frame, and 4 · 30 · √3 for the product of two rounded unit quaternions as a rotation, 319 together. The pose of a part of a
+/// compound is off by as much, counted as a length. Larger: more triangles are looked at, and intervals of parts are wider; smaller: one
+/// might not be, or miss the truth. Test: `pieces_laws.rs`, exact touch, and `compounds.rs`, whole rotations.
 pub const RELATIVE_POSE: f64 = 512.0 * ROUNDING;
 
 /// How far the axes of a part may lean from where its pose puts them: a product of two rotations leans by less than 208
@@ -346,6 +337,15 @@ pub const SKIN_MARGIN: f64 = 1.0 / 128.0;
 /// The skin that a character without one has for that margin, as a part of its reach: 2⁻²⁰. Larger and smaller: as for
 /// [`SKIN_MARGIN`]. Pinned by `world/character.rs`, no skin.
 pub const SKIN_MIN: f64 = 1.0 / 1_048_576.0;
+
+/// Whatever is asked, the interval of a first touch is no wider than this part of its time, 2⁻⁶. Larger: what is known less well hides
+/// more of what may be touched later, and looking there costs more than is spared here. Smaller: a step in twenty more for a
+/// decade, measured among columns, needles and coins. Pinned by `convex/turning.rs`, whatever is asked.
+pub const WIDEST_OF_TIME: f64 = 1.0 / 64.0;
+
+/// The same as a part of the motion, 2⁻⁸, for touches soon after its start. Larger and smaller: as for [`WIDEST_OF_TIME`]. Pinned by
+/// the same test.
+pub const WIDEST_OF_MOTION: f64 = 1.0 / 256.0;
 
 /// What is left of a way is not gone if it is less than this part of the whole, 2⁻⁴⁰. Larger: ways end short. Smaller:
 /// strides are spent on roundings. Pinned by `world/character.rs`, corners.

@@ -339,3 +339,22 @@ fn extremes_give_numbers() {
     }
     assert!(decided > 540, "{decided} of 600");
 }
+
+/// Who asks for hardly anything still has an interval behind which little can hide; and no narrower one is worked for.
+#[test]
+fn whatever_is_asked_an_interval_is_a_small_part_of_the_way() {
+    let anything = Accuracy { max_error: 1e9, max_error_relative: 1.0, ..EXACT };
+    let (mut soon, mut late) = (0.0_f64, 0.0_f64);
+    for (a, b, motion) in courses(97, 3_000) {
+        let Some(touch) = impact(&a, &b, &motion, &anything) else { continue };
+        let bound = touch.certificate.bound;
+        if touch.certificate.verdict != Verdict::Hit || touch.certificate.stop != Stop::Tolerance {
+            continue;
+        }
+        let allowed = (1.0_f64 / 256.0).max(bound.lower / 64.0);
+        assert!(bound.width() <= allowed, "{bound:?} is wider than {allowed}: {motion:?}");
+        let share = bound.width() / allowed;
+        if bound.lower < 0.25 { soon = soon.max(share) } else { late = late.max(share) }
+    }
+    assert!(soon > 0.75 && late > 0.75, "{soon} of what is allowed soon after the start, {late} later");
+}

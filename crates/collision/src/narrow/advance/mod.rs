@@ -29,7 +29,7 @@ use super::InitialTouch;
 use crate::{
     accuracy::Accuracy,
     answer::{Bound, Stop, Verdict},
-    tolerance::ROUNDING,
+    tolerance::{ROUNDING, WIDEST_OF_MOTION, WIDEST_OF_TIME},
 };
 
 /// A first touch, in the axes of whoever measured the gaps.
@@ -80,12 +80,6 @@ pub(super) struct Paces {
     /// What a measured gap may be off by.
     pub(super) doubt: f64,
 }
-
-/// Whatever is asked, no interval is left wider than these parts of the time and of the motion. What is known less well hides less of
-/// what may be touched later, and looking there costs more than is spared here: measured among columns, needles and coins, where the
-/// next decade costs a step in twenty.
-const WIDEST_OF_TIME: f64 = 1.0 / 64.0;
-const WIDEST_OF_MOTION: f64 = 1.0 / 256.0;
 
 /// Widest interval to accept.
 pub(super) struct Width {
