@@ -307,9 +307,10 @@ pub fn penetration_warm(
 ///
 /// Normals of a mesh are those that its surface has, as in [`penetration`]. What begins in a solid mesh touches it at the start.
 /// A triangle of a one-sided mesh is touched only from its front, and, where neither turns, not by what goes along its front
-/// or away from it; at the start only by what has its middle before it. One that is touched from its back first is
-/// passed over for the rest of the motion. So are those of a solid mesh where the initial touch is ignored: what
-/// begins inside leaves through its walls.
+/// or away from it: where one does, the side alone tells, at an edge as well. At the start it is touched only by what has its middle
+/// before it. One that is touched from its back first is passed over for the rest of the motion, by each convex part and each triangle
+/// of the other form for itself: another part may still touch its front. So are those of a solid mesh where the initial touch is
+/// ignored: what begins inside leaves through its walls.
 ///
 /// ```
 /// use collision::{DVec3, accuracy::{Accuracy, Tier}, answer::Work, math::Pose, shape::Geometry};

@@ -6,6 +6,7 @@ mod exact;
 mod extremes;
 mod fields;
 mod found;
+mod one_sided;
 mod terrain;
 #[path = "../whole/mod.rs"]
 mod whole;

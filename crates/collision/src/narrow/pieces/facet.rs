@@ -6,6 +6,11 @@
 //! replaced by that of a face which meets there; the depth is then that along this normal, which is as certain as any.
 //!
 //! Of one-sided and solid meshes a triangle is felt by what has its middle before it, and pushes to its front.
+//!
+//! # Limits
+//! In motion each piece of the other form is judged for itself: one that a triangle is passed over for does not hide its front from
+//! the next. Where something turns, points of a form go different ways, and those of a ball that spins say nothing of where it goes:
+//! the normal of the touch alone tells the side.
 
 use glam::DVec3;
 
