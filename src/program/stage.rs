@@ -16,7 +16,8 @@ use super::mesh_file::{self, Unit, Up};
 #[derive(Debug, Args)]
 pub(crate) struct Stage {
     /// Mesh files (as `load` reads them): the first stands, the others are asked about; without others a ball, a capsule and a
-    /// box of a thirtieth of its size. Or one world that `export` wrote: what moves in it is asked about
+    /// box of a thirtieth of its size. Or one world that `export` wrote, such as that of a session or of a trace that was played: what
+    /// moves in it is asked about
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
     /// A generated scene: arena, debris, terrain, columns, needles, planet or coins; can be given several times
@@ -59,6 +60,13 @@ impl Stage {
         if let [path] = &*self.files
             && !mesh_file::is_known(path)
         {
+            if is_trace(path) {
+                let name = path.display();
+                return Err(Failure::new(format!(
+                    "{name} is a trace, which does not say what its actors look like. Play it to a server, then measure the world that it \
+                     leaves: calipers play {name} --kind NAME=FORM --speed max, then calipers export FILE, then this with FILE"
+                )));
+            }
             let world = calipers::exported::world(carry::pieces(path)?.into_iter())
                 .map_err(|why| Failure::new(format!("{} is no whole export: {why}", path.display())))?;
             return Ok(vec![Scene::of_world(&name_of(path), &world.newest())?]);
@@ -94,6 +102,12 @@ impl Stage {
         let taken_for = if matches!(self.taken_for, Taken::Hull) { " --taken-for hull" } else { "" };
         format!("{which}{taken_for} --seed {}", self.seed)
     }
+}
+
+/// Whether a file is named as traces are.
+fn is_trace(path: &Path) -> bool {
+    let name = path.to_string_lossy().to_lowercase();
+    name.ends_with(".csv") || name.ends_with(".csv.gz")
 }
 
 fn name_of(path: &Path) -> String {

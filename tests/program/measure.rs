@@ -59,6 +59,8 @@ fn what_cannot_be_measured_is_told() {
     assert!(nothing.code == Some(1) && nothing.err.contains("--scene NAME"), "{nothing:?}");
     let negative = run(&["tune", "--scene", "arena", "--max-error", "0"]);
     assert!(negative.code == Some(1) && negative.err.contains("above 0"), "{negative:?}");
+    let trace = run(&["bench", "moves.csv.gz"]);
+    assert!(trace.code == Some(1) && trace.err.contains("calipers play moves.csv.gz --kind"), "{trace:?}");
     let unknown = run(&["bench", "--scene", "moon"]);
     assert!(unknown.code == Some(2) && unknown.err.contains("arena, debris"), "{unknown:?}");
 }
