@@ -229,9 +229,9 @@ fn decades(out: &mut String, reports: &[Report]) {
 /// Where nothing is to be had by asking for less.
 fn freedom(out: &mut String, reports: &[Report]) {
     out.push_str(
-        "## Where accuracy is free\n\nHow many times as long the exact tier takes as the fast one (mean), with the largest true error of the fast one. Around 1 there is \
-nothing to be had: ask exactly. Below 1 asking for less costs more: stand-ins were asked in vain, or wide intervals left more shapes to look at. Where shapes are so near to each other in time or distance that their intervals overlap, the one of the least best value is told as the closest, and the error is from \
-that to the true first. Rays and straight motions are answered to rounding \
+        "## Where accuracy is free\n\nHow many times as long the exact tier takes as the fast one (mean), with the largest true error of the fast one. `=` is where both take the same \
+steps (iterations, nodes, pairs), so that times differ by the noise of the clock alone. Around 1 there is nothing to be had: ask exactly. Below 1 asking for less costs more: stand-ins were asked in vain, or wide intervals left more shapes to look at. Where shapes are so near to each other in time or distance that their intervals overlap, the one of the least best value is told as the closest, and the error is from \
+that to the true first. Rays and straight motions of convex forms are answered to rounding \
 at any setting, and so are boxes, hulls and what else has flat faces only, in the few steps that end at a corner, an edge or a face. What trades is what turns, what is \
 round, and what is large.\n\n| scene |",
     );
@@ -244,10 +244,13 @@ round, and what is large.\n\n| scene |",
         for kind in Kind::ALL {
             let cell = match (tier_of(report, kind, "EXACT"), tier_of(report, kind, "FAST")) {
                 (Some(exact), Some(fast)) => {
-                    let times = exact.time_ns[0] / fast.time_ns[0];
+                    let times = match exact.work == fast.work {
+                        true => "=".to_owned(),
+                        false => format!("{:.2}", exact.time_ns[0] / fast.time_ns[0]),
+                    };
                     match kind {
-                        Kind::Overlap => format!("{times:.2}, {:.0} % open", fast.open * 100.0),
-                        _ => format!("{times:.2}, {:.0e} m", fast.error[2]),
+                        Kind::Overlap => format!("{times}, {:.0} % open", fast.open * 100.0),
+                        _ => format!("{times}, {:.0e} m", fast.error[2]),
                     }
                 }
                 _ => "–".to_owned(),

@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use super::{Report, Row, svg};
 
-const HEAD: &str = r#"<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+const HEAD: &str = r#"<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width,initial-scale=1">
 <title>Calipers: what accuracy costs</title><style>
 :root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;max-width:96rem;margin:2rem auto;padding:0 1rem;background:#fff;color:#222}
 .plots{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(34rem,100%),1fr));gap:1rem}figure{margin:0;border:1px solid #8884;border-radius:8px;padding:.6rem}
-svg{width:100%;height:auto}circle{cursor:help}circle:hover{stroke:currentColor;stroke-width:2}table{border-collapse:collapse;font-size:13px}
+svg{width:100%;height:auto}figure .plot text{fill:currentColor}circle{cursor:help}circle:hover{stroke:currentColor;stroke-width:2}table{border-collapse:collapse;font-size:13px}
 td,th{padding:.15rem .6rem;text-align:right;border-bottom:1px solid #8883}td:nth-child(-n+3),th:nth-child(-n+3){text-align:left}.wide{overflow-x:auto}
 code{font-size:12px}#tip{position:fixed;display:none;max-width:26rem;padding:.4rem .6rem;border-radius:6px;background:#222;color:#fff;font-size:13px;pointer-events:none}
 .lie{color:#c0392b;white-space:pre-wrap}@media(prefers-color-scheme:dark){body{background:#16181c;color:#ddd}#tip{background:#eee;color:#111}}

@@ -2,7 +2,7 @@
 //!
 //! # Method
 //! A point for each setting, told by its title when the pointer rests on it; a line along the settings that no other beats in both.
-//! Colours are readable on light and on dark ground.
+//! Colours are readable on light and on dark ground, those of letters too where nothing says which it is.
 
 use std::fmt::Write;
 
@@ -17,7 +17,7 @@ const MARGINS: [f64; 4] = [74.0, 168.0, 34.0, 48.0];
 const COLOURS: [&str; 9] =
     ["#d1495b", "#2f7fd0", "#1f9e89", "#c77d0a", "#8a63d2", "#6b7f2a", "#c2569b", "#4a8fa8", "#9a6b4f"];
 
-const STYLE: &str = "<style>.plot text{font:12px system-ui,sans-serif;fill:#333}.plot .axis{stroke:#8888;stroke-width:1}\
+const STYLE: &str = "<style>.plot text{font:12px system-ui,sans-serif;fill:#737373}.plot .axis{stroke:#8888;stroke-width:1}\
 .plot .grid{stroke:#8883;stroke-width:1}.plot .front{fill:none;stroke:#888;stroke-width:1.5;stroke-dasharray:5 4}\
 .plot .name{font-weight:600}@media(prefers-color-scheme:dark){.plot text{fill:#ddd}}</style>";
 
@@ -71,7 +71,7 @@ fn time_text(ns: f64) -> String {
 
 fn error_text(error: f64, kind: Kind) -> String {
     match kind {
-        Kind::Overlap => format!("{:.3} %", error * 100.0),
+        Kind::Overlap => format!("{} %", (error * 1e5).round() / 1e3),
         _ if error == 0.0 => "0".to_owned(),
         _ => format!("{error:.0e} m"),
     }
@@ -139,14 +139,24 @@ pub fn svg(rows: &[&Row]) -> String {
             "<circle cx=\"{cx:.1}\" cy=\"{cy:.1}\" r=\"{radius}\" fill=\"{colour}\" fill-opacity=\".85\"{ring}><title>{tip}</title></circle>"
         );
         if row.knob == Knob::Tier {
-            // Two tiers are often in one place.
-            let (x, y) = (cx + 9.0, if row.label == "STANDARD" { cy + 17.0 } else { cy - 7.0 });
-            let _ = write!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escaped(&row.label));
+            label(&mut out, [cx, cy], &row.label);
         }
     }
     legend(&mut out, rows);
     out.push_str("</svg>\n");
     out
+}
+
+/// The name of a tier over or under its point: each at a height of its own, as tiers are often in one place, and none below the axis.
+fn label(out: &mut String, [x, cy]: [f64; 2], name: &str) {
+    let is_low = cy + 20.0 > HEIGHT - MARGINS[3];
+    let y = match name {
+        "FAST" => cy - 11.0,
+        "STANDARD" if is_low => cy - 37.0,
+        "STANDARD" => cy + 19.0,
+        _ => cy - 24.0,
+    };
+    let _ = write!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>", escaped(name));
 }
 
 fn axes(out: &mut String, x: &Axis, y: &Axis, kind: Kind) {
@@ -157,7 +167,7 @@ fn axes(out: &mut String, x: &Axis, y: &Axis, kind: Kind) {
         let _ = write!(out, "<line class=\"grid\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{top}\" y2=\"{low}\"/>");
         let _ = write!(out, "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{text}</text>", low + 18.0);
     }
-    for value in y.ticks().into_iter().filter(|value| y.at(*value) < low - 10.0) {
+    for value in y.ticks().into_iter().filter(|value| y.at(*value) < low - 13.0) {
         let (at, text) = (y.at(value), error_text(value, kind));
         let _ = write!(out, "<line class=\"grid\" x1=\"{left}\" x2=\"{far}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>");
         let _ = write!(out, "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>", left - 6.0, at + 4.0);
