@@ -333,28 +333,7 @@ pub fn impact(
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
-    impact_within(a, b, motion, 1.0, accuracy, work)
-}
-
-/// As [`impact`]; also `None` where it is cheaply proved that there is no touch up to the fraction `limit` of the motion.
-fn impact_within(
-    a: Placed<'_>,
-    b: Placed<'_>,
-    motion: &Motion,
-    limit: f64,
-    accuracy: &Accuracy,
-    work: &mut Work,
-) -> Option<ImpactTouch> {
-    if let Some(pair) = half_space::Pair::of(&a, &b) {
-        return pair.impact(motion, accuracy, work);
-    }
-    if let Climb::Answered(found) = ladder::impact(&a, &b, motion, limit, accuracy, work) {
-        return found;
-    }
-    match (a.as_convex(), b.as_convex()) {
-        (Some(a), Some(b)) => convex::impact(a, b, motion, [DVec3::ZERO; 2], accuracy, work),
-        _ => pieces::impact(a, b, motion, accuracy, work),
-    }
+    impact_of(a, Operand { placed: b, simple: None }, motion, 1.0, accuracy, work)
 }
 
 /// As [`impact`], of a form that may be at hand; also `None` where it is cheaply proved that there is no touch up to the fraction `limit` of
@@ -372,7 +351,17 @@ pub(crate) fn impact_of(
         let b = PlacedConvex::new(&convex, b.placed.pose);
         return convex::impact(a, b, motion, [DVec3::ZERO; 2], accuracy, work);
     }
-    impact_within(a, b.placed, motion, limit, accuracy, work)
+    let b = b.placed;
+    if let Some(pair) = half_space::Pair::of(&a, &b) {
+        return pair.impact(motion, accuracy, work);
+    }
+    if let Climb::Answered(found) = ladder::impact(&a, &b, motion, limit, accuracy, work) {
+        return found;
+    }
+    match (a.as_convex(), b.as_convex()) {
+        (Some(a), Some(b)) => convex::impact(a, b, motion, [DVec3::ZERO; 2], accuracy, work),
+        _ => pieces::impact(a, b, motion, accuracy, work),
+    }
 }
 
 /// The question needs convex parts, which a mesh, be it part of a compound, does not have yet.
