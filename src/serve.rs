@@ -38,6 +38,8 @@ const HEADER_LIST_BYTES: u32 = 16 * 1024;
 /// A connection that has been silent for so long is asked whether it lives, and closed if it does not say so in time.
 const KEEPALIVE_EVERY: Duration = Duration::from_secs(20);
 const KEEPALIVE_ANSWER: Duration = Duration::from_secs(10);
+/// After a connection could not be accepted: while the process has no file left for one, none can.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
 /// How long calls that were cut off have to say so to their clients.
 const LAST_WORDS: Duration = Duration::from_millis(250);
 /// Buffer of each direction of a connection within the process.
@@ -237,7 +239,10 @@ async fn accept(listener: TcpListener, workers: Arc<Workers>, stop: Stop) {
     while let Some(Some(accepted)) = stop.drain.run_until_cancelled(incoming.next()).await {
         let taken = match accepted {
             Ok(socket) => workers.take_up(socket).await,
-            Err(error) => Err(error),
+            Err(error) => {
+                tokio::time::sleep(ACCEPT_PAUSE).await;
+                Err(error)
+            }
         };
         if let Err(error) = taken {
             tracing::debug!(%error, "a connection was not taken up");

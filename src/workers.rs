@@ -59,9 +59,29 @@ pub(crate) struct Connections {
 /// What will be a thread when it is told what to serve.
 #[derive(Debug)]
 pub(crate) struct Idle {
-    runtime: runtime::Runtime,
+    runtime: Runtime,
     connections: Connections,
     load: Load,
+}
+
+/// A runtime that may be dropped anywhere: what works in the background is not waited for.
+#[derive(Debug)]
+struct Runtime(Option<runtime::Runtime>);
+
+impl Runtime {
+    fn run(&self, work: impl Future<Output = ()>) {
+        if let Some(runtime) = &self.0 {
+            runtime.block_on(work);
+        }
+    }
+}
+
+impl Drop for Runtime {
+    fn drop(&mut self) {
+        if let Some(runtime) = self.0.take() {
+            runtime.shutdown_background();
+        }
+    }
 }
 
 impl Workers {
@@ -120,7 +140,7 @@ impl Worker {
         let runtime = runtime::Builder::new_current_thread().enable_all().build()?;
         let (handle, load) = (runtime.handle().clone(), Load::default());
         let connections = Connections { sockets: incoming, in_process: incoming_in_process };
-        let idle = Idle { runtime, connections, load: load.clone() };
+        let idle = Idle { runtime: Runtime(Some(runtime)), connections, load: load.clone() };
         Ok((Self { sockets, in_process, runtime: handle, load }, idle))
     }
 }
@@ -139,9 +159,8 @@ impl Idle {
         let (tell_end, ended) = oneshot::channel();
         thread::Builder::new().name(format!("serving-{number}")).spawn(move || {
             load.begin_here();
-            runtime.block_on(serve(connections));
-            // What works in the background is not waited for.
-            runtime.shutdown_background();
+            runtime.run(serve(connections));
+            drop(runtime);
             let _ = tell_end.send(());
         })?;
         Ok(async {
@@ -172,6 +191,15 @@ mod tests {
 
     fn name() -> Option<String> {
         thread::current().name().map(ToOwned::to_owned)
+    }
+
+    /// As where a server does not start.
+    #[tokio::test]
+    async fn threads_that_never_begin_are_dropped_by_whoever_runs_in_a_runtime() {
+        let (workers, idle) = Workers::new().unwrap();
+        drop(idle);
+        let socket = tokio::io::duplex(1).0;
+        assert_eq!(workers.take_up_in_process(socket).await.unwrap_err().kind(), io::ErrorKind::ConnectionRefused);
     }
 
     #[tokio::test]
