@@ -116,13 +116,19 @@ impl Sweep {
             self.compare(
                 extreme,
                 question,
-                by,
+                Scaled::all(by),
                 here.distance.as_ref().map(distance),
                 there.distance.as_ref().map(distance),
             );
-            self.compare(extreme, question, by, Some((0.0, here.overlap)), Some((0.0, there.overlap)));
+            self.compare(extreme, question, Scaled::all(by), Some((0.0, here.overlap)), Some((0.0, there.overlap)));
             let depth = |found: &narrow::Contact| (found.depth, found.certificate);
-            self.compare(extreme, question, by, here.contact.as_ref().map(depth), there.contact.as_ref().map(depth));
+            self.compare(
+                extreme,
+                question,
+                Scaled::all(by),
+                here.contact.as_ref().map(depth),
+                there.contact.as_ref().map(depth),
+            );
         }
     }
 
@@ -146,7 +152,7 @@ impl Sweep {
         let positions = question.sides.each_ref().map(|side| side.position);
         for by in SCALES.into_iter().filter(|by| is_in_range(&positions, extreme, *by)) {
             let (Some(here), Some(there)) = (asked(question), asked(&question.scaled(by))) else { continue };
-            self.compare(extreme, question, by, here.0, there.0);
+            self.compare(extreme, question, Scaled::all(by), here.0, there.0);
             // Which pieces are looked at follows from boxes that are rounded, and bounds from those; the verdict does not.
             let (here, there) = (here.1.verdict, there.1.verdict);
             if here != there {
@@ -167,9 +173,15 @@ impl Sweep {
         let extreme = question.categories[0];
         for by in SCALES.into_iter().filter(|by| is_in_range(&[a, b, displacement_a, displacement_b], extreme, *by)) {
             let (Some(here), Some(there)) = (moves::ask(question), moves::ask(&question.scaled(by))) else { continue };
-            // Times are parts of the motion: they do not scale.
+            // Times are parts of the motion and do not scale; what stand-ins are off by is a length beside them as well.
             let told = |touch: ImpactTouch| (touch.fraction, touch.certificate);
-            self.compare(style, question, 1.0, here.there.map(told), there.there.map(told));
+            self.compare(
+                style,
+                question,
+                Scaled { values: 1.0, lengths: by },
+                here.there.map(told),
+                there.there.map(told),
+            );
         }
     }
 
@@ -183,7 +195,7 @@ impl Sweep {
         &mut self,
         extreme: &str,
         question: &impl Debug,
-        by: f64,
+        Scaled { values, lengths }: Scaled,
         here: Option<(f64, Certificate)>,
         there: Option<(f64, Certificate)>,
     ) {
@@ -191,15 +203,30 @@ impl Sweep {
         let scaled = here.map(|(value, certificate)| {
             let Bound { lower, upper } = certificate.bound;
             let model = collision::answer::Model {
-                outside: certificate.model.outside * by,
-                inside: certificate.model.inside * by,
+                outside: certificate.model.outside * lengths,
+                inside: certificate.model.inside * lengths,
                 ..certificate.model
             };
-            (value * by, Certificate { bound: Bound::new(lower * by, upper * by), model, ..certificate })
+            (value * values, Certificate { bound: Bound::new(lower * values, upper * values), model, ..certificate })
         });
         if scaled != there {
-            self.faults.push(format!("{extreme}: scaled by {by}: {scaled:?}, but {there:?} of {question:?}"));
+            self.faults.push(format!("{extreme}: scaled by {lengths}: {scaled:?}, but {there:?} of {question:?}"));
         }
+    }
+}
+
+/// What an answer is multiplied by where its question is scaled.
+struct Scaled {
+    /// The value and its bounds.
+    values: f64,
+    /// What stand-ins are off by.
+    lengths: f64,
+}
+
+impl Scaled {
+    /// Of a value that is a length.
+    fn all(by: f64) -> Self {
+        Self { values: by, lengths: by }
     }
 }
 
