@@ -215,3 +215,27 @@ fn a_plate_and_a_crumb_converge_to_a_narrow_distance() {
     let bound = found.expect("no limit").certificate.bound;
     assert!(bound.width() < 1e-12 * 1e9, "{bound:?}");
 }
+
+/// Found by the fuzz target of hulls: the height of a subnormal vertex along a short direction has no digits left, so that a vertex
+/// of a hull was proved to lie off it, or the bounds of the distance crossed and the kernel panicked.
+#[test]
+fn no_vertex_of_a_subnormal_hull_lies_off_it() {
+    let noise = &mut Noise(89);
+    let mut spread = 0;
+    for round in 0..4_000_u64 {
+        // 2⁻⁹²⁰ to 2⁻¹⁰⁷⁴ m.
+        let size = f64::from_bits(1 << (round % 52)) * if round % 3 == 0 { 2.0_f64.powi(102) } else { 1.0 };
+        let points: Vec<DVec3> = (0..1 + round % 5).map(|_| noise.vector() * size).chain([DVec3::ZERO]).collect();
+        let hull = Body { geometry: Geometry::hull(&points).expect("points"), pose: Pose::IDENTITY };
+        spread += u32::from(points[0] != DVec3::ZERO);
+        for &point in &points {
+            let point = Body { geometry: Geometry::point(), pose: Pose::at(point) };
+            let (hull, point) = (hull.placed(), point.placed());
+            let work = &mut Work::default();
+            let apart = narrow::distance(point, hull, f64::INFINITY, &EXACT, work).expect("no limit").certificate;
+            assert!(apart.bound.lower == 0.0 && apart.verdict != Verdict::Miss, "{apart:?}: {points:?}");
+            assert_ne!(narrow::overlap(hull, point, &EXACT, work).verdict, Verdict::Miss, "{points:?}");
+        }
+    }
+    assert!(spread > 3_500, "{spread}");
+}

@@ -7,6 +7,9 @@
 //!
 //! What a pose of a part of something may be off by is a length. It is counted as a path so long that the rounding of a pair
 //! of that extent, which every kernel allows for, is larger by just this.
+//!
+//! # Limits
+//! Forms that together extend less than 2⁻⁹⁰⁰ m are measured as if they did as much: they are told apart no better.
 
 use glam::{DMat3, DVec3};
 
@@ -118,8 +121,14 @@ fn reach_and_extent([a, b]: [&Convex; 2], apart: DVec3, path: f64) -> (f64, f64)
         return (reach, extent);
     }
     let reach = a.reach() + b.reach();
-    (reach, reach + apart.abs().element_sum() + path)
+    let extent = reach + apart.abs().element_sum() + path;
+    (reach, if extent > 0.0 { extent.max(LEAST_EXTENT) } else { extent })
 }
+
+/// 2⁻⁹⁰⁰ m: what extends less is measured as if it did as much. A height is a product of metres and a part of a direction, which in a
+/// search may be 2⁻⁵³ long; of what is subnormal the product loses all digits, 2⁻¹⁰²¹ m of the height. What rounding is allowed for at
+/// this extent is more by far.
+const LEAST_EXTENT: f64 = f64::from_bits((1023 - 900) << 52);
 
 /// 2¹⁰⁰: of two points in one place.
 const POINT_SCALE: f64 = f64::from_bits((1023 + 100) << 52);
