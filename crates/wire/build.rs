@@ -35,7 +35,7 @@ const COLUMN_MESSAGES: [&str; 17] = [
 ];
 
 /// Fields that stand in boxes, because most messages do without them: what is read, moved and kept by the thousand stays small.
-const BOXED: [&str; 22] = [
+const BOXED: [&str; 28] = [
     "options",
     "against",
     ".calipers.v1.Question.question.overlap",
@@ -47,6 +47,12 @@ const BOXED: [&str; 22] = [
     ".calipers.v1.Question.question.first_touch",
     ".calipers.v1.Answer.answer.move_character",
     ".calipers.v1.Answer.answer.depenetrate",
+    ".calipers.v1.ExplainRequest.item",
+    ".calipers.v1.ColumnItem.call.raycast_batch",
+    ".calipers.v1.ColumnItem.call.overlap_batch",
+    ".calipers.v1.ColumnItem.call.time_of_impact_batch",
+    ".calipers.v1.ColumnItem.call.distance_batch",
+    ".calipers.v1.ColumnItem.call.line_of_sight",
     ".calipers.v1.QueryStreamRequest.request.batch",
     ".calipers.v1.QueryStreamRequest.request.raycast_batch",
     ".calipers.v1.QueryStreamRequest.request.overlap_batch",

@@ -17,6 +17,7 @@ pub(crate) mod first_touch;
 pub(crate) mod geometry;
 mod height_field;
 pub(crate) mod hit_columns;
+pub(crate) mod item;
 pub(crate) mod lists;
 pub(crate) mod number;
 pub(crate) mod parts;

@@ -1,6 +1,6 @@
-//! Questions as they are told to those who watch them; of a batch with columns its first item, as a question of its own.
+//! Questions as they are told to those who watch them; an item of a call with columns as the single question that it stands for.
 
-use collision::{math::Pose, narrow::Ray};
+use collision::{math::Pose, narrow::Ray, world::ShapeId};
 use prost::Message;
 use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked, subject::Form};
 
@@ -20,25 +20,53 @@ pub(crate) fn trace(asked: Asked, answered: Checked<Kind>) -> Option<pb::Trace> 
     (trace.encoded_len() <= LARGEST_BYTES).then_some(trace)
 }
 
-/// A ray of a batch.
-pub(crate) fn ray(sent: &pb::RaycastBatchRequest, ray: &Ray) -> Asked {
-    let vector = |vector: collision::DVec3| Some(pb::Vec3 { x: vector.x, y: vector.y, z: vector.z });
+/// A ray of a batch, which does not see a shape.
+pub(crate) fn ray(sent: &pb::RaycastBatchRequest, ray: &Ray, ignored: Option<ShapeId>) -> Asked {
     Asked::from(pb::RaycastRequest {
-        origin: vector(ray.origin),
-        direction: vector(ray.direction),
-        max_distance: Some(ray.max_distance),
         mode: sent.mode,
         hollow: sent.hollow,
         faces: sent.faces,
-        options: sent.options.clone(),
-        ..pb::RaycastRequest::default()
+        options: past(sent.options.clone(), ignored),
+        ..along(ray)
     })
 }
 
+/// How an eye looks at a point, past what both are: what is hit hides the point.
+pub(crate) fn sight(sent: &pb::LineOfSightRequest, ray: &Ray, own: impl IntoIterator<Item = ShapeId>) -> Asked {
+    let mut options = past(sent.options.clone(), own).unwrap_or_default();
+    options.filter.get_or_insert_default().exclude_sensors = true;
+    Asked::from(pb::RaycastRequest { mode: pb::HitMode::Any.into(), options: Some(options), ..along(ray) })
+}
+
+fn along(ray: &Ray) -> pb::RaycastRequest {
+    let vector = |vector: collision::DVec3| Some(pb::Vec3 { x: vector.x, y: vector.y, z: vector.z });
+    pb::RaycastRequest {
+        origin: vector(ray.origin),
+        direction: vector(ray.direction),
+        max_distance: Some(ray.max_distance),
+        ..pb::RaycastRequest::default()
+    }
+}
+
+/// Options that leave out these shapes too.
+fn past(
+    options: Option<Box<pb::QueryOptions>>,
+    ignored: impl IntoIterator<Item = ShapeId>,
+) -> Option<Box<pb::QueryOptions>> {
+    let mut ignored = ignored.into_iter().map(ShapeId::get).peekable();
+    if ignored.peek().is_none() {
+        return options;
+    }
+    let mut options = options.unwrap_or_default();
+    options.filter.get_or_insert_default().exclude_ids.extend(ignored);
+    Some(options)
+}
+
 /// A place of a batch: what touches the geometry there?
-pub(crate) fn overlap(sent: &pb::OverlapBatchRequest, pose: &Pose) -> Asked {
+pub(crate) fn overlap(sent: &pb::OverlapBatchRequest, index: usize, pose: &Pose) -> Asked {
     let mut subject = subject(sent.geometry.as_ref(), pose);
-    if let (Some(Form::Geometry(geometry)), Some(&scale)) = (&mut subject.form, sent.scales.first()) {
+    let scale = if sent.scales.len() == 1 { sent.scales.first() } else { sent.scales.get(index) };
+    if let (Some(Form::Geometry(geometry)), Some(&scale)) = (&mut subject.form, scale) {
         geometry.scale = Some(geometry.scale.unwrap_or(1.0) * f64::from(scale));
     }
     Asked::from(pb::OverlapRequest {

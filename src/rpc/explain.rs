@@ -26,7 +26,7 @@ use crate::{
     config::Settings,
     convert::{
         archive::{self, Intake, named_by_id},
-        shape,
+        item, shape,
     },
     geometries::{Geometries, Quotas},
     problem::{Checked, Problem, Reason, Under},
@@ -66,11 +66,19 @@ pub(super) async fn answer(
     request: Request<pb::ExplainRequest>,
 ) -> Result<Response<pb::ExplainResponse>, Status> {
     let caller = Caller::of(&request);
-    let pb::ExplainRequest { session, question } = request.into_inner();
-    server.enter(&caller, &session, Role::Reader)?;
-    let Some(question) = question else {
-        let what = "is absent: send one, such as {\"raycast\": {\"direction\": {\"z\": 1}}}";
-        return Err(Problem::at("question", Reason::Missing, what).into());
+    let pb::ExplainRequest { session, question, item } = request.into_inner();
+    let entered = server.enter(&caller, &session, Role::Reader)?;
+    let question = match (question, item) {
+        (Some(question), None) => question,
+        (None, Some(item)) => pb::Question { question: Some(item::asked(&item, &entered.geometries).under("item")?) },
+        (Some(_), Some(_)) => {
+            let what = "goes without question: leave one of the two out";
+            return Err(Problem::at("item", Reason::OutOfLimits, what).into());
+        }
+        (None, None) => {
+            let what = "is absent: send one, such as {\"raycast\": {\"direction\": {\"z\": 1}}}, or an item";
+            return Err(Problem::at("question", Reason::Missing, what).into());
+        }
     };
     let heading = question::heading(&question).under("question")?;
     if !heading.session.is_empty() {

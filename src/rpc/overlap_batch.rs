@@ -25,7 +25,7 @@ pub(super) async fn answer(sent: &pb::OverlapBatchRequest, scene: &Scene) -> Che
         let found =
             turn.ask(index, None, |world, filter, accuracy, meter| world.overlap(&question, filter, accuracy, meter))?;
         if index == 0 {
-            scene.tell(|| (trace::overlap(sent, &pose), answer::overlap(&found).map(Kind::from)));
+            scene.tell(|| (trace::overlap(sent, index, &pose), answer::overlap(&found).map(Kind::from)));
         }
         touching.add(&found);
         Ok(())

@@ -21,7 +21,7 @@ pub(super) async fn answer(sent: &pb::RaycastBatchRequest, scene: &Scene) -> Che
         let found = turn
             .ask(index, ignored, |world, filter, accuracy, meter| world.raycast(&question, filter, accuracy, meter))?;
         if index == 0 {
-            scene.tell(|| (trace::ray(sent, &question.ray), answer::raycast(&found).map(Kind::from)));
+            scene.tell(|| (trace::ray(sent, &question.ray, ignored), answer::raycast(&found).map(Kind::from)));
         }
         hits.add(&found, question.ray.max_distance)
     });

@@ -31,6 +31,7 @@ mod port;
 mod query_stream;
 mod questions;
 mod reading;
+mod replay_items;
 mod replays;
 mod resolve;
 mod sessions;

@@ -68,8 +68,10 @@ impl SeenCount {
 }
 
 impl Sight {
-    /// The way between the two as a ray; `None` if it is too long.
-    fn ray(&self) -> Option<Ray> {
+    /// The way between the two as a ray, from either end (so that both see alike): what it hits hides one from the other. `None` if
+    /// it is too long.
+    #[must_use]
+    pub fn ray(&self) -> Option<Ray> {
         let (from, to) =
             if comes_first(self.point, self.eye) { (self.point, self.eye) } else { (self.eye, self.point) };
         let way = to - from;
