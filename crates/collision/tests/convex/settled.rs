@@ -171,3 +171,32 @@ fn a_warm_contact_of_needles_is_as_narrow_as_a_cold_one() {
         assert_settled(&found[0].certificate, 1.459434380204321e-5, 1.5e-3, &format!("from {before:?}"));
     }
 }
+
+/// A depth of a tiny cylinder in a large hull, for which the standard budget is too little: it said to have converged.
+#[test]
+fn a_depth_that_the_budget_leaves_wide_says_so() {
+    let hull = hull(&[
+        [-0.6608998359883911, 0.49329299573435526, -0.6839608427554782],
+        [-0.6608998359883911, -0.7632205134774608, 0.12989780037166643],
+        [-0.6608998359883911, 0.17997598354907907, -0.41607546357607905],
+        [-0.6608998359883911, -0.1957127484516208, -0.946885546074963],
+    ]);
+    let cylinder = Geometry::cylinder(7.817209796867917e-6, 1.696781025133732e-5);
+    let turn = [0.8463699582566698, 0.12188463017169744, 0.2697885838877439, 0.4427371123955584];
+    let a = body(cylinder, [-0.8521323392241408, 0.299200057621296, -0.0821729948245794], turn);
+    let turn = [0.002443444886636884, 0.543996175142993, -0.5577651621775549, 0.6268653881559628];
+    let b = body(hull, [-0.8373083785396392, -0.4829581583987469, -0.25625396867836225], turn);
+    let mut wide = 0;
+    for budget in [8, 16, 32, 64, 128, 256, 512, 4096] {
+        for max_error_relative in [0.0, 1e-6] {
+            let accuracy = Accuracy { max_error: 0.0, max_error_relative, budget, ..Accuracy::of(Tier::Standard) };
+            let found =
+                narrow::depth(a.placed(), b.placed(), 0.0, &accuracy, &mut Work::default()).expect("they overlap");
+            let Certificate { bound, stop, .. } = found.certificate;
+            let is_wide = bound.width() > 1e-11 && bound.width() > max_error_relative * bound.lower;
+            wide += u32::from(is_wide);
+            assert!(!is_wide || stop == Stop::Budget, "{budget} iterations, {max_error_relative}: {found:?}");
+        }
+    }
+    assert!(wide > 2, "{wide} are wide");
+}

@@ -175,8 +175,11 @@ fn narrowed(pair: &Pair<'_>, touch: Touch, budget: u32, is_enough: &impl Fn(f64,
     let radius = pair.radius();
     let known = touch.upper - PAIR_ROUNDING - radius;
     let is_narrow = touch.upper - touch.lower <= DEPTH_WIDTH || is_enough(touch.lower, touch.upper);
-    if is_narrow || !has_round_core(pair) || known <= DEPTH_WIDTH || touch.iterations >= budget {
+    if is_narrow || !has_round_core(pair) || known <= DEPTH_WIDTH {
         return touch;
+    }
+    if touch.iterations >= budget {
+        return Touch { stop: Stop::Budget, ..touch };
     }
     let up = |best: f64| best + radius + PAIR_ROUNDING;
     let found = directions::depth(pair, known, budget - touch.iterations, |lower, best| {
