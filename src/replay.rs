@@ -53,6 +53,8 @@ pub fn bare(mut answer: pb::Answer) -> pb::Answer {
         Some(Kind::MoveCharacter(it)) => it.info = None,
         Some(Kind::FirstTouch(it)) => it.info = None,
         Some(Kind::Depenetrate(it)) => it.info = None,
+        Some(Kind::Resolve(it)) => it.info = None,
+        Some(Kind::Pairs(it)) => it.info = None,
         Some(Kind::Problem(_)) | None => {}
     }
     answer
@@ -70,6 +72,8 @@ pub fn info_of(answer: &pb::Answer) -> Option<&pb::AnswerInfo> {
         Kind::MoveCharacter(it) => it.info.as_ref(),
         Kind::FirstTouch(it) => it.info.as_ref(),
         Kind::Depenetrate(it) => it.info.as_ref(),
+        Kind::Resolve(it) => it.info.as_ref(),
+        Kind::Pairs(it) => it.info.as_ref(),
         Kind::Problem(_) => None,
     }
 }

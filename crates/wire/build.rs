@@ -35,7 +35,7 @@ const COLUMN_MESSAGES: [&str; 17] = [
 ];
 
 /// Fields that stand in boxes, because most messages do without them: what is read, moved and kept by the thousand stays small.
-const BOXED: [&str; 28] = [
+const BOXED: [&str; 32] = [
     "options",
     "against",
     ".calipers.v1.Question.question.overlap",
@@ -45,8 +45,12 @@ const BOXED: [&str; 28] = [
     ".calipers.v1.Question.question.move_character",
     ".calipers.v1.Question.question.depenetrate",
     ".calipers.v1.Question.question.first_touch",
+    ".calipers.v1.Question.question.resolve",
+    ".calipers.v1.Question.question.pairs",
     ".calipers.v1.Answer.answer.move_character",
     ".calipers.v1.Answer.answer.depenetrate",
+    ".calipers.v1.Answer.answer.resolve",
+    ".calipers.v1.Answer.answer.pairs",
     ".calipers.v1.ExplainRequest.item",
     ".calipers.v1.ColumnItem.call.raycast_batch",
     ".calipers.v1.ColumnItem.call.overlap_batch",

@@ -1,6 +1,6 @@
 //! Edits: wire to checked edits of single shapes, each with its place in the message.
 
-use collision::world::{Edit, EditError, EditFault, ShapeId};
+use collision::world::{Edit, EditError, EditFault, EditRule, ShapeId, World};
 use wire::v1::{self as pb, edit::Op};
 
 use super::{
@@ -62,6 +62,20 @@ pub(crate) fn expand(sent: &[pb::Edit], known: &Geometries) -> Checked<Expanded>
         }
     }
     Ok(expanded)
+}
+
+/// Applies a message's edits as one tick, at the time of the newest; all of them, or none.
+///
+/// # Errors
+/// What is wrong with one of them.
+pub(crate) fn apply_whole(sent: &[pb::Edit], known: &Geometries, world: &mut World) -> Checked<()> {
+    let expanded = expand(sent, known)?;
+    if let Some(problem) = expanded.problems.into_iter().next() {
+        return Err(problem);
+    }
+    let time = world.newest().time();
+    let applied = world.apply(expanded.edits, time, EditRule::AllOrNothing);
+    applied.map(|_| ()).map_err(|error| refused(error, &expanded.places))
 }
 
 /// What a client is told about an edit that the world refuses.

@@ -29,6 +29,7 @@ pub(crate) mod resolve;
 pub(crate) mod settings;
 pub(crate) mod shape;
 pub(crate) mod sight;
+pub(crate) mod tick;
 pub(crate) mod trace;
 pub(crate) mod view;
 pub(crate) mod watch;

@@ -14,7 +14,9 @@ pub(crate) fn of(replay: &proto::Replay, again: &proto::Answer) -> String {
     let mut lines = vec![asked(replay)];
     let between =
         if replay.tick_fraction > 0.0 { format!(", {} on to the next", replay.tick_fraction) } else { String::new() };
-    lines.push(format!("at tick {}{between}; answered by calipers {}", replay.tick, replay.program));
+    let since =
+        if replay.ticks.is_empty() { String::new() } else { format!(", and from tick {} on", replay.earliest_tick) };
+    lines.push(format!("at tick {}{between}{since}; answered by calipers {}", replay.tick, replay.program));
     lines.push(format!("it depends on {}:", count(replay.shapes.len() as u64, "shape")));
     lines.extend(cut(&replay.shapes, "shape", shape));
     if replay.shapes_left_out > 0 {
@@ -53,6 +55,8 @@ fn asked(replay: &proto::Replay) -> String {
         Question::MoveCharacter(it) => ("move character", to_json("MoveCharacterRequest", it)),
         Question::FirstTouch(it) => ("first touch", to_json("FirstTouchRequest", it)),
         Question::Depenetrate(it) => ("depenetrate", to_json("DepenetrateRequest", it)),
+        Question::Resolve(it) => ("resolve", to_json("ResolveRequest", it)),
+        Question::Pairs(it) => ("pairs", to_json("PairsRequest", it)),
     };
     format!("{name} {json}")
 }
@@ -176,6 +180,8 @@ fn answer(kept: &proto::Answer) -> String {
             lines.extend(hits(&it.contacts, |hit| (hit.id, hit.depth, hit.certificate)));
             (it.verdict(), lines, false)
         }
+        Answer::Resolve(it) => return resolved(it),
+        Answer::Pairs(it) => return pairs(it),
         Answer::Problem(problem) => return format!("answer: none, {}: {}", problem.reason, problem.message),
     };
     let mut lines = vec![format!("answer: {}", word(verdict))];
@@ -183,6 +189,43 @@ fn answer(kept: &proto::Answer) -> String {
     if more {
         lines.push("  … and more than that, which was not asked for".to_owned());
     }
+    lines.join("\n")
+}
+
+/// A line for each body, and one for each impulse.
+fn resolved(answer: &proto::ResolveResponse) -> String {
+    let mut lines = vec![format!("answer: {}", count(answer.impulses.len() as u64, "impulse"))];
+    lines.extend(cut(&answer.changes, "body", |change| {
+        let [velocity, turning] = [change.velocity, change.angular_velocity].map(vector);
+        format!(
+            "  shape {}: velocity {velocity}, angular velocity {turning}, moved by {}",
+            change.id,
+            vector(change.translation)
+        )
+    }));
+    lines.extend(cut(&answer.impulses, "impulse", |impulse| {
+        let [impulse_vector, point] = [impulse.impulse, impulse.point].map(vector);
+        format!("  shape {} from shape {}: {impulse_vector} at {point}", impulse.id, impulse.other_id)
+    }));
+    lines.join("\n")
+}
+
+/// A line for each pair.
+fn pairs(answer: &proto::PairsResponse) -> String {
+    let columns = answer.pairs.clone().unwrap_or_default();
+    let pairs: Vec<(usize, (u64, u64))> = columns.a.into_iter().zip(columns.b).enumerate().collect();
+    let mut lines = vec![format!("answer: {}", count(pairs.len() as u64, "pair"))];
+    lines.extend(cut(&pairs, "pair", |(index, (a, b))| {
+        let verdict = answer.verdicts.get(*index).copied().unwrap_or_default();
+        let verdict = word(proto::Verdict::try_from(verdict).unwrap_or_default());
+        let change = match answer.changes.get(*index).map(|&change| proto::PairChange::try_from(change)) {
+            Some(Ok(proto::PairChange::Began)) => ", began",
+            Some(Ok(proto::PairChange::Persisted)) => ", went on",
+            Some(Ok(proto::PairChange::Ended)) => ", ended",
+            _ => "",
+        };
+        format!("  shape {a} and shape {b}: {verdict}{change}")
+    }));
     lines.join("\n")
 }
 

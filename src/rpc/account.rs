@@ -15,7 +15,7 @@ use crate::{
 pub(super) const PAIRS_TOLD: usize = 256;
 
 /// What a question did, or those of a batch.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Account {
     work: Work,
     pairs: Vec<pb::PairAccount>,

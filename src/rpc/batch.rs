@@ -9,7 +9,6 @@ use super::{
 };
 use crate::{
     convert::number::at_most,
-    fence::fenced,
     problem::{Checked, Problem, Reason, Under},
 };
 
@@ -33,13 +32,16 @@ pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb
     let mut turns = Turns::begun(scene.deadline);
     for (index, question) in sent.questions.iter().enumerate() {
         turns.next().await?;
-        answers.push(answer_one(question, &scene, index));
+        answers.push(answer_one(question, &scene, index).await);
     }
     Ok(pb::BatchResponse { answers, info: Some(info) })
 }
 
-fn answer_one(asked: &pb::Question, scene: &Scene, index: usize) -> pb::Answer {
-    let answered = check(asked).and_then(|()| fenced("answering a question", || question::answer(asked, scene))?);
+async fn answer_one(asked: &pb::Question, scene: &Scene, index: usize) -> pb::Answer {
+    let answered = match check(asked) {
+        Ok(()) => question::answer_anywhere(asked, scene).await,
+        Err(problem) => Err(problem),
+    };
     let answered = answered.under_item("questions", index).unwrap_or_else(|problem| problem.into_wire().into());
     pb::Answer { answer: Some(answered) }
 }

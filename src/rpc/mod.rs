@@ -32,6 +32,8 @@ mod question;
 mod questions;
 mod raycast;
 mod raycast_batch;
+mod reading;
+mod replay;
 mod resolve;
 mod scene;
 mod session;
@@ -53,8 +55,8 @@ use tokio_util::sync::CancellationToken;
 use tonic::{Request, Status, service::Routes};
 use wire::v1 as pb;
 
-pub(crate) use explain::{FORMAT as REPLAY_FORMAT, ask_again};
 pub(crate) use import_world::read_export;
+pub(crate) use replay::{FORMAT as REPLAY_FORMAT, ask_again};
 
 use crate::{
     building::Workshop,

@@ -180,6 +180,6 @@ async fn many<Q: Asking, A: Into<Answered>>(
 async fn answer_question(server: &Server, caller: &Caller, sent: &pb::Question) -> Checked<Answered> {
     let heading = question::heading(sent)?;
     let scene = Scene::enter(server, caller, heading.session, heading.options).await.under(heading.name)?;
-    let answer = Some(question::answer(sent, &scene)?);
+    let answer = Some(question::answer_anywhere(sent, &scene).await?);
     Ok(Answered::Answer(pb::Answer { answer }))
 }

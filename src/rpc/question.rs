@@ -3,11 +3,18 @@
 use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
 
 use super::{
-    depenetrate, distance, first_touch, move_character, overlap, penetration, raycast,
+    depenetrate, distance, first_touch, move_character, overlap, pairs, penetration, raycast, resolve,
     scene::{Asking, Scene},
     time_of_impact,
 };
-use crate::problem::{Checked, Problem, Reason, Under};
+use crate::{
+    compute::{self, Weight},
+    fence::fenced,
+    problem::{Checked, Problem, Reason, Under},
+};
+
+/// What a question is said to do where it panics.
+const ANSWERING: &str = "answering a question";
 
 /// What a question says of itself before it asks.
 #[derive(Clone, Copy, Debug)]
@@ -38,13 +45,29 @@ pub(super) fn heading(sent: &pb::Question) -> Checked<Heading<'_>> {
         Some(Asked::MoveCharacter(sent)) => of("move_character", &**sent),
         Some(Asked::Depenetrate(sent)) => of("depenetrate", &**sent),
         Some(Asked::FirstTouch(sent)) => of("first_touch", &**sent),
+        Some(Asked::Resolve(sent)) => of("resolve", &**sent),
+        Some(Asked::Pairs(sent)) => of("pairs", &**sent),
     }
 }
 
 fn no_question() -> Problem {
     let what = "is absent: it is one of raycast, overlap, penetration, time_of_impact, distance, move_character, \
-                depenetrate, first_touch, such as {\"raycast\": {\"direction\": {\"z\": 1}}}";
+                depenetrate, first_touch, resolve, pairs, such as {\"raycast\": {\"direction\": {\"z\": 1}}}";
     Problem::at("question", Reason::Missing, what)
+}
+
+/// Answers it on the scene's version, behind the fence; on another thread what reads many ticks or all shapes.
+///
+/// # Errors
+/// As [`answer`], or it panicked.
+pub(super) async fn answer_anywhere(sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
+    match &sent.question {
+        Some(Asked::FirstTouch(_) | Asked::Pairs(_)) => {
+            let (sent, scene) = (sent.clone(), scene.clone());
+            Box::pin(compute::run(Weight::Heavy, ANSWERING, move || answer(&sent, &scene))).await
+        }
+        _ => fenced(ANSWERING, || answer(sent, scene))?,
+    }
 }
 
 /// Answers it on the scene's version.
@@ -61,6 +84,8 @@ pub(super) fn answer(sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
         Some(Asked::MoveCharacter(sent)) => ("move_character", move_character::answer(sent, scene).map(Kind::from)),
         Some(Asked::Depenetrate(sent)) => ("depenetrate", depenetrate::answer(sent, scene).map(Kind::from)),
         Some(Asked::FirstTouch(sent)) => ("first_touch", first_touch::answer(sent, scene).map(Kind::from)),
+        Some(Asked::Resolve(sent)) => ("resolve", resolve::answer(sent, scene).map(Kind::from)),
+        Some(Asked::Pairs(sent)) => ("pairs", pairs::answer(sent, scene).map(Kind::from)),
         None => return Err(no_question()),
     };
     let answered = answered.under(name);

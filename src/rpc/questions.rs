@@ -75,7 +75,7 @@ impl pb::query_service_server::QueryService for Questions {
     type PairsStream = super::Answers<pb::PairsResponse>;
 
     async fn pairs(&self, request: Request<pb::PairsRequest>) -> Result<Response<Self::PairsStream>, Status> {
-        pairs::answer(&self.0, request).await
+        pairs::call(&self.0, request).await
     }
 
     async fn batch(&self, request: Request<pb::BatchRequest>) -> Result<Response<pb::BatchResponse>, Status> {

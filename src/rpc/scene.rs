@@ -17,8 +17,8 @@ use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
 use super::{
     Caller, Server,
     account::{Account, PAIRS_TOLD},
-    explain::{SHAPES, Touched},
     fitting,
+    replay::{SHAPES, Touched},
 };
 use crate::{
     building::Workshop,
@@ -228,21 +228,11 @@ pub(super) trait Asking: Message + 'static {
     fn session(&self) -> &str;
     /// What applies to it.
     fn options(&self) -> Option<&pb::QueryOptions>;
-    /// The same as a question of any kind; `None` for what is no single question of such a kind.
-    fn of_any_kind(&self) -> Option<Asked> {
-        None
-    }
-}
-
-/// An answer to one question.
-pub(super) trait Answering: Message + 'static {
-    /// As that of a question of any kind; `None` for what is of no such kind.
-    fn of_any_kind(&self) -> Option<Kind>;
 }
 
 macro_rules! asking {
-    ($($request:ty $(= $kind:ident $answer:ty)?),*) => {
-        $(impl Asking for $request {
+    ($($request:ident),*) => {
+        $(impl Asking for pb::$request {
             fn session(&self) -> &str {
                 &self.session
             }
@@ -250,67 +240,49 @@ macro_rules! asking {
             fn options(&self) -> Option<&pb::QueryOptions> {
                 self.options.as_deref()
             }
-
-            $(fn of_any_kind(&self) -> Option<Asked> {
-                Some(Asked::$kind(self.clone().into()))
-            })?
-        }
-
-        $(impl Answering for $answer {
-            fn of_any_kind(&self) -> Option<Kind> {
-                Some(Kind::$kind(self.clone().into()))
-            }
-        })?)*
+        })*
     };
 }
 
 asking!(
-    pb::RaycastRequest = Raycast pb::RaycastResponse,
-    pb::OverlapRequest = Overlap pb::OverlapResponse,
-    pb::PenetrationRequest = Penetration pb::PenetrationResponse,
-    pb::TimeOfImpactRequest = TimeOfImpact pb::TimeOfImpactResponse,
-    pb::DistanceRequest = Distance pb::DistanceResponse,
-    pb::MoveCharacterRequest = MoveCharacter pb::MoveCharacterResponse,
-    pb::DepenetrateRequest = Depenetrate pb::DepenetrateResponse,
-    pb::FirstTouchRequest = FirstTouch pb::FirstTouchResponse,
-    pb::ResolveRequest,
-    pb::PairsRequest,
-    pb::BatchRequest,
-    pb::RaycastBatchRequest,
-    pb::OverlapBatchRequest,
-    pb::TimeOfImpactBatchRequest,
-    pb::DistanceBatchRequest,
-    pb::LineOfSightRequest
+    RaycastRequest,
+    OverlapRequest,
+    PenetrationRequest,
+    TimeOfImpactRequest,
+    DistanceRequest,
+    MoveCharacterRequest,
+    DepenetrateRequest,
+    FirstTouchRequest,
+    ResolveRequest,
+    PairsRequest,
+    BatchRequest,
+    RaycastBatchRequest,
+    OverlapBatchRequest,
+    TimeOfImpactBatchRequest,
+    DistanceBatchRequest,
+    LineOfSightRequest
 );
-
-impl Answering for pb::ResolveResponse {
-    fn of_any_kind(&self) -> Option<Kind> {
-        None
-    }
-}
 
 /// Answers a unary question.
 ///
 /// # Errors
 /// What is wrong with it.
-pub(super) async fn unary<Q: Asking, A: Answering>(
+pub(super) async fn unary<Q, A>(
     server: &Server,
     request: Request<Q>,
     answer: fn(&Q, &Scene) -> Checked<A>,
-) -> Result<Response<A>, Status> {
+) -> Result<Response<A>, Status>
+where
+    Q: Asking + Into<Asked>,
+    A: Message + Clone + Into<Kind> + 'static,
+{
     let caller = Caller::of(&request);
     let asked = request.into_inner();
     let scene = Scene::of(server, &caller, &asked).await?;
     let weight = Weight::of_message(asked.encoded_len());
     let answered = compute::run(weight, "answering a question", move || {
         let answered = answer(&asked, &scene);
-        scene.session.traces.tell(|| {
-            let told = match &answered {
-                Ok(answered) => Ok(answered.of_any_kind()?),
-                Err(problem) => Err(problem.clone()),
-            };
-            trace(asked.of_any_kind()?, told)
-        });
+        scene.tell(|| (asked.into(), answered.clone().map(Into::into)));
         answered
     })
     .await?;

@@ -8,7 +8,7 @@ use crate::harness::{
 };
 
 /// Ball 1 flies by ball 2 at tick 3 to 4 and through ball 3 at tick 4 to 5.
-async fn flight() -> Bench {
+pub(crate) async fn flight() -> Bench {
     let mut bench = Bench::start().await;
     let ball = |id, x| insert(shape(id, sphere(0.5), at(x, 0.0, 0.0)));
     bench.edit(vec![ball(1, 0.0), ball(2, 3.0), ball(3, 13.0)]).await.unwrap();
@@ -19,7 +19,7 @@ async fn flight() -> Bench {
     bench
 }
 
-fn since(from_tick: u64) -> pb::FirstTouchRequest {
+pub(crate) fn since(from_tick: u64) -> pb::FirstTouchRequest {
     pb::FirstTouchRequest { subject: Some(subject_shape(1)), from_tick, ..pb::FirstTouchRequest::default() }
 }
 

@@ -32,6 +32,7 @@ mod query_stream;
 mod questions;
 mod reading;
 mod replay_items;
+mod replay_ticks;
 mod replays;
 mod resolve;
 mod sessions;

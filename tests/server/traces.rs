@@ -62,9 +62,13 @@ async fn questions_are_told_with_their_answers_however_they_are_asked() {
     let ray = crate::harness::ray_along_z();
     let answer = bench.questions.raycast(ray.clone()).await.unwrap().into_inner();
     bench.questions.raycast(pb::RaycastRequest::default()).await.unwrap_err();
-    bench.questions.resolve(pb::ResolveRequest::default()).await.unwrap();
-    let (traces, skipped) = told(&mut messages, 3).await;
-    assert_eq!(skipped, 1, "what is of no kind is counted");
+    let bounced = bench.questions.resolve(pb::ResolveRequest::default()).await.unwrap().into_inner();
+    let listed =
+        bench.questions.pairs(pb::PairsRequest::default()).await.unwrap().into_inner().message().await.unwrap();
+    let (traces, skipped) = told(&mut messages, 4).await;
+    assert_eq!(skipped, 0);
+    assert_eq!(kind(&traces[2]), (Asked::Resolve(Box::default()), Kind::from(bounced)));
+    assert_eq!(kind(&traces[3]), (Asked::Pairs(Box::default()), Kind::from(listed.unwrap())));
     assert_eq!(kind(&traces[0]), (Asked::Raycast(ray), Kind::Raycast(answer)));
     let (_, Kind::Problem(problem)) = kind(&traces[1]) else { panic!("{traces:?}") };
     assert_eq!((problem.reason.as_str(), problem.field.as_str()), ("MISSING", "direction"));

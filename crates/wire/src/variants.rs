@@ -21,7 +21,9 @@ one_of!(
     Distance DistanceRequest,
     MoveCharacter MoveCharacterRequest,
     Depenetrate DepenetrateRequest,
-    FirstTouch FirstTouchRequest
+    FirstTouch FirstTouchRequest,
+    Resolve ResolveRequest,
+    Pairs PairsRequest
 );
 
 one_of!(
@@ -34,6 +36,8 @@ one_of!(
     MoveCharacter MoveCharacterResponse,
     Depenetrate DepenetrateResponse,
     FirstTouch FirstTouchResponse,
+    Resolve ResolveResponse,
+    Pairs PairsResponse,
     Problem Problem
 );
 

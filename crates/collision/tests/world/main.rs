@@ -24,6 +24,7 @@ mod questions;
 mod random;
 mod readers;
 mod resolve;
+mod retold;
 mod scene;
 mod sight;
 mod traffic;

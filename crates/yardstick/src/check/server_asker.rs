@@ -274,9 +274,11 @@ fn read_answer(answer: Option<proto::Answer>) -> Reply {
             let hits = found.hits.iter().map(ray_hit).collect::<Result<_, _>>()?;
             Ok(Answer::Ray(verdict(found.verdict)?, hits))
         }
-        answer::Answer::MoveCharacter(_) | answer::Answer::Depenetrate(_) | answer::Answer::FirstTouch(_) => {
-            Err("the answer is of another kind than the question".to_owned())
-        }
+        answer::Answer::MoveCharacter(_)
+        | answer::Answer::Depenetrate(_)
+        | answer::Answer::FirstTouch(_)
+        | answer::Answer::Resolve(_)
+        | answer::Answer::Pairs(_) => Err("the answer is of another kind than the question".to_owned()),
         answer::Answer::Problem(problem) => Err(format!("{}: {}", problem.reason, problem.message)),
     }
 }

@@ -14,6 +14,7 @@ mod kept;
 mod passage;
 mod past;
 mod record;
+mod retold;
 mod span;
 mod track;
 
