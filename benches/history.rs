@@ -7,43 +7,28 @@
 //! around it, is timed alone, and so is the next, which finds them ready.
 
 mod dice;
+mod traffic;
 
 use std::{
     error::Error,
     hint::black_box,
     io::{Write, stdout},
-    num::NonZeroU64,
     sync::Arc,
-    time::Instant,
 };
 
 use collision::{
-    DQuat, DVec3,
     accuracy::Accuracy,
-    math::Pose,
-    narrow::{Faces, Ray},
-    shape::Geometry,
-    world::{
-        Edit, EditRule, Filter, HitMode, Means, Meter, Moment, Overlap, Raycast, Settings, Shape, Snapshot, Subject,
-        Tick, Time, World,
-    },
+    world::{Filter, Meter, Moment, Overlap, Raycast, Snapshot, Tick, World},
 };
 use dice::Dice;
+use traffic::{MOVES, QUESTIONS, SHAPE_COUNT, balls, filled, median, moves, rays, tick, timed_value};
 
 type Failure = Box<dyn Error + Send + Sync>;
 
-const SHAPE_COUNT: u64 = 10_000;
-/// Moves of a tick.
-const MOVES: u64 = 1000;
-/// How far each goes, metres.
-const STEP: f64 = 0.1;
 /// Ticks of history.
 const HISTORY: u32 = 64;
 /// How far back the past is asked.
 const BACK: u64 = 32;
-/// Length of rays, metres.
-const RAY_LENGTH: f64 = 10.0;
-const QUESTIONS: usize = 2000;
 const ROUNDS: usize = 15;
 /// Times that a first question is timed, each to another span.
 const FIRSTS: usize = 60;
@@ -164,97 +149,8 @@ fn before(newest: &Snapshot) -> Tick {
     Tick::MIN.saturating_add(newest.tick().get() - 1 - BACK)
 }
 
-fn tick(world: &mut World, moves: Vec<Edit>) -> Result<(), Failure> {
-    let time = Time(world.newest().time().0 + 16_666_667);
-    world.apply(moves, time, EditRule::AllOrNothing)?;
-    Ok(())
-}
-
-/// Every tenth shape, from a random one on: spread over all pages, as the movers of a world are.
-fn moves(newest: &Snapshot, dice: &mut Dice) -> Vec<Edit> {
-    let stride = SHAPE_COUNT / MOVES;
-    let first = (dice.between(0.0, 1.0) * stride as f64) as u64;
-    let mut moves = Vec::new();
-    for number in 0..MOVES {
-        let id = id(1 + first + number * stride);
-        if let Some(shape) = newest.shape(id) {
-            let turn = DQuat::from_xyzw(0.02, dice.between(-0.02, 0.02), 0.0, 1.0);
-            moves.push(Edit::Move {
-                id,
-                position: Some(shape.pose.position + DVec3::from_array(dice.point(2.0)).normalize_or_zero() * STEP),
-                rotation: Some(turn * shape.pose.unit_rotation()),
-                velocity: None,
-                angular_velocity: None,
-                teleport: false,
-            });
-        }
-    }
-    moves
-}
-
-/// Shapes at random in a cube of which they fill a twentieth, and its side.
-fn filled(name: &str, dice: &mut Dice, history_ticks: u32) -> Result<(World, f64), Failure> {
-    let mut geometries = Vec::new();
-    let mut volume = 0.0;
-    for _ in 0..SHAPE_COUNT {
-        let half = DVec3::from_array(std::array::from_fn(|_| dice.between(0.1, 1.0)));
-        if name == "sphere" {
-            volume += std::f64::consts::TAU * 2.0 / 3.0 * half.x.powi(3);
-            geometries.push(Geometry::sphere(half.x)?);
-        } else {
-            volume += 8.0 * half.element_product();
-            geometries.push(Geometry::cuboid(half)?);
-        }
-    }
-    let side = (20.0 * volume).cbrt();
-    let inserts = (1..).zip(geometries).map(|(number, geometry)| {
-        let pose =
-            Pose::new(DVec3::from_array(dice.point(side)), DQuat::from_xyzw(dice.between(-1.0, 1.0), 0.3, 0.2, 1.0));
-        Edit::Insert(Shape::new(id(number), Arc::new(geometry), pose))
-    });
-    let settings = Settings { history_ticks, ..Settings::default() };
-    let mut world = World::with(Time(0), settings, Means::default());
-    world.apply(inserts.collect(), Time(0), EditRule::AllOrNothing)?;
-    Ok((world, side))
-}
-
-fn id(number: u64) -> NonZeroU64 {
-    NonZeroU64::MIN.saturating_add(number - 1)
-}
-
-fn rays(side: f64, dice: &mut Dice) -> Vec<Raycast> {
-    let mut ray = || Ray {
-        origin: DVec3::from_array(dice.point(side)),
-        direction: DVec3::from_array(dice.point(1.0)),
-        min_distance: 0.0,
-        max_distance: RAY_LENGTH,
-        hollow: false,
-        faces: Faces::Both,
-    };
-    (0..QUESTIONS).map(|_| Raycast { ray: ray(), mode: HitMode::Closest }).collect()
-}
-
-fn balls(side: f64, dice: &mut Dice) -> Result<Vec<Overlap>, Failure> {
-    let ball = Arc::new(Geometry::sphere(2.0)?);
-    let subject = |pose| Subject::Geometry { geometry: Arc::clone(&ball), pose };
-    let places = (0..QUESTIONS).map(|_| Pose::at(DVec3::from_array(dice.point(side))));
-    Ok(places.map(|pose| Overlap { subject: subject(pose), against: None, max_hits: 1000 }).collect())
-}
-
 /// Seconds that something takes that may fail.
 fn timed(work: impl FnOnce() -> Result<(), Failure>) -> Result<f64, Failure> {
     let (seconds, done) = timed_value(work);
     done.map(|()| seconds)
-}
-
-/// Seconds that something takes, and what it gives.
-fn timed_value<T>(work: impl FnOnce() -> T) -> (f64, T) {
-    let begin = Instant::now();
-    let value = work();
-    (begin.elapsed().as_secs_f64(), value)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

@@ -12,6 +12,7 @@ mod child;
 #[path = "../dice/mod.rs"]
 mod dice;
 mod echo;
+mod edits;
 mod load;
 mod scene;
 
@@ -138,6 +139,7 @@ async fn run(shape_count: u64, time: Duration, only: &str) -> Result<usize, Fail
     )?;
     let moves = streamed(&real, &scene, &mut dice, time).await?;
     writeln!(out, "edit stream, {MOVES} moves a tick: {moves:.0} moves/s")?;
+    beside_questions(&mut out, &real, &scene, &rays, &mut dice, time).await?;
     Ok(missed)
 }
 
@@ -187,6 +189,36 @@ async fn beside_batches(
     heavy.await??;
     times.sort_unstable();
     Ok(times[times.len() * 99 / 100])
+}
+
+/// Prints what ticks of moves take while others ask.
+async fn beside_questions(
+    out: &mut impl Write,
+    real: &Server,
+    scene: &Scene,
+    rays: &[calipers_client::proto::RaycastRequest],
+    dice: &mut Dice,
+    time: Duration,
+) -> Result<(), Failure> {
+    writeln!(
+        out,
+        "\n| 10,000 moves at 60 Hz, four clients ask | acknowledged p50 | p99 | rays p50 | p99 | server CPU a tick |\n|---|---|---|---|---|---|"
+    )?;
+    for (name, form) in [("as columns", edits::Form::Columns), ("each an edit", edits::Form::Nested)] {
+        let figures = edits::run(real, scene, (form, rays), dice, time * ROUNDS).await?;
+        let of = |times: &[Duration], percent| edits::percentile(times, percent).as_secs_f64() * 1e3;
+        let (acknowledged, answered) = (&figures.acknowledged, &figures.answered);
+        writeln!(
+            out,
+            "| {name} | {:.2} ms | {:.2} ms | {:.2} ms | {:.2} ms | {:.2} ms |",
+            of(acknowledged, 50),
+            of(acknowledged, 99),
+            of(answered, 50),
+            of(answered, 99),
+            figures.cpu.as_secs_f64() * 1e3
+        )?;
+    }
+    Ok(())
 }
 
 /// Moves shapes over the stream as fast as it is acknowledged; returns moves a second.
