@@ -10,7 +10,8 @@
 //! none is, if there is one, so that a client with one connection has all processors.
 //!
 //! # Limits
-//! A single question that takes long, which has no turns, keeps the connections of its thread waiting.
+//! An item of columns that takes long, which has no turns, keeps the connections of its thread waiting; single questions that do are
+//! answered elsewhere ([`crate::rpc`]).
 
 use std::{
     io,

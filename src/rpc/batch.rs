@@ -3,8 +3,8 @@
 use wire::v1 as pb;
 
 use super::{
-    question,
-    scene::{Naming, Scene},
+    question::{self, Heading},
+    scene::{Naming, Patience, Scene},
     turns::Turns,
 };
 use crate::{
@@ -27,7 +27,7 @@ pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb
         tick_fraction: scene.snapshot.fraction(),
         ..pb::AnswerInfo::default()
     };
-    let scene = Scene { shared, naming: Naming::Nothing, ..scene.clone() };
+    let scene = Scene { shared, naming: Naming::Nothing, patience: Patience::Short, ..scene.clone() };
     let mut answers = Vec::with_capacity(sent.questions.len());
     let mut turns = Turns::begun(scene.deadline);
     for (index, question) in sent.questions.iter().enumerate() {
@@ -39,7 +39,7 @@ pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb
 
 async fn answer_one(asked: &pb::Question, scene: &Scene, index: usize) -> pb::Answer {
     let answered = match check(asked) {
-        Ok(()) => question::answer_anywhere(asked, scene).await,
+        Ok(heading) => question::answer_anywhere(&heading, asked, scene).await,
         Err(problem) => Err(problem),
     };
     let answered = answered.under_item("questions", index).unwrap_or_else(|problem| problem.into_wire().into());
@@ -47,7 +47,7 @@ async fn answer_one(asked: &pb::Question, scene: &Scene, index: usize) -> pb::An
 }
 
 /// Checks that a question leaves to its batch what is the batch's to say.
-fn check(asked: &pb::Question) -> Checked<()> {
+fn check(asked: &pb::Question) -> Checked<Heading<'_>> {
     let heading = question::heading(asked)?;
     let refuse = |field: &str| {
         let what = "must be left out in a batch: the batch's own holds for all its questions";
@@ -59,5 +59,5 @@ fn check(asked: &pb::Question) -> Checked<()> {
     if heading.options.is_some_and(|options| options.read_at.is_some()) {
         return refuse("options.read_at");
     }
-    Ok(())
+    Ok(heading)
 }

@@ -2,6 +2,7 @@
 //! that knows protobuf.
 
 mod account;
+mod answering;
 mod answers;
 mod batch;
 mod create_session;

@@ -18,7 +18,7 @@ use super::{
     Answers, Caller, Server,
     answers::{Handed, Unread, hand, stream_of_lists},
     batch, distance_batch, fits, line_of_sight, overlap_batch, question, raycast_batch,
-    scene::{Asking, Scene},
+    scene::{Asking, Patience, Scene},
     time_of_impact_batch,
     turns::Turns,
 };
@@ -180,6 +180,7 @@ async fn many<Q: Asking, A: Into<Answered>>(
 async fn answer_question(server: &Server, caller: &Caller, sent: &pb::Question) -> Checked<Answered> {
     let heading = question::heading(sent)?;
     let scene = Scene::enter(server, caller, heading.session, heading.options).await.under(heading.name)?;
-    let answer = Some(question::answer_anywhere(sent, &scene).await?);
+    let scene = Scene { patience: Patience::Short, ..scene };
+    let answer = Some(question::answer_anywhere(&heading, sent, &scene).await?);
     Ok(Answered::Answer(pb::Answer { answer }))
 }

@@ -3,18 +3,12 @@
 use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
 
 use super::{
+    answering::{Hint, answered},
     depenetrate, distance, first_touch, move_character, overlap, pairs, penetration, raycast, resolve,
     scene::{Asking, Scene},
     time_of_impact,
 };
-use crate::{
-    compute::{self, Weight},
-    fence::fenced,
-    problem::{Checked, Problem, Reason, Under},
-};
-
-/// What a question is said to do where it panics.
-const ANSWERING: &str = "answering a question";
+use crate::problem::{Checked, Problem, Reason, Under};
 
 /// What a question says of itself before it asks.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +19,8 @@ pub(super) struct Heading<'a> {
     pub(super) session: &'a str,
     /// What applies to it.
     pub(super) options: Option<&'a pb::QueryOptions>,
+    /// What tells how long it takes.
+    hint: Hint<'a>,
 }
 
 /// The heading of a question.
@@ -33,7 +29,7 @@ pub(super) struct Heading<'a> {
 /// It asks nothing.
 pub(super) fn heading(sent: &pb::Question) -> Checked<Heading<'_>> {
     fn of<'a>(name: &'static str, sent: &'a impl Asking) -> Checked<Heading<'a>> {
-        Ok(Heading { name, session: sent.session(), options: sent.options() })
+        Ok(Heading { name, session: sent.session(), options: sent.options(), hint: Hint::of(sent) })
     }
     match &sent.question {
         None => Err(no_question()),
@@ -56,18 +52,16 @@ fn no_question() -> Problem {
     Problem::at("question", Reason::Missing, what)
 }
 
-/// Answers it on the scene's version, behind the fence; on another thread what reads many ticks or all shapes.
+/// Answers it on the scene's version, behind the fence, where its weight says.
 ///
 /// # Errors
 /// As [`answer`], or it panicked.
-pub(super) async fn answer_anywhere(sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
-    match &sent.question {
-        Some(Asked::FirstTouch(_) | Asked::Pairs(_)) => {
-            let (sent, scene) = (sent.clone(), scene.clone());
-            Box::pin(compute::run(Weight::Heavy, ANSWERING, move || answer(&sent, &scene))).await
-        }
-        _ => fenced(ANSWERING, || answer(sent, scene))?,
+pub(super) async fn answer_anywhere(heading: &Heading<'_>, sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
+    let answered = answered(&heading.hint, sent, scene, answer).await;
+    if let Some(asked) = &sent.question {
+        scene.tell(|| (asked.clone(), answered.clone()));
     }
+    answered
 }
 
 /// Answers it on the scene's version.
@@ -88,9 +82,5 @@ pub(super) fn answer(sent: &pb::Question, scene: &Scene) -> Checked<Kind> {
         Some(Asked::Pairs(sent)) => ("pairs", pairs::answer(sent, scene).map(Kind::from)),
         None => return Err(no_question()),
     };
-    let answered = answered.under(name);
-    if let Some(asked) = &sent.question {
-        scene.tell(|| (asked.clone(), answered.clone()));
-    }
-    answered
+    answered.under(name)
 }

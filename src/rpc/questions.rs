@@ -65,7 +65,7 @@ impl pb::query_service_server::QueryService for Questions {
         &self,
         request: Request<pb::FirstTouchRequest>,
     ) -> Result<Response<pb::FirstTouchResponse>, Status> {
-        first_touch::call(&self.0, request).await
+        unary(&self.0, request, first_touch::answer).await
     }
 
     async fn resolve(&self, request: Request<pb::ResolveRequest>) -> Result<Response<pb::ResolveResponse>, Status> {

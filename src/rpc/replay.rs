@@ -15,22 +15,18 @@ use collision::{
     world::{Means, Notes, Settings as WorldSettings, Shape, ShapeId, Tick, Time, World},
 };
 use parking_lot::Mutex;
-use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use wire::v1::{self as pb, answer::Answer as Kind, geometry::Kind as Form, question::Question as Asked, subject};
 
 use super::{MESSAGE_BYTES, question, reading::Reading, scene::Scene};
 use crate::{
     building::Building,
-    config::Settings,
     convert::{
         archive::{self, Intake, named_by_id},
         edit, shape, tick,
     },
     geometries::{Geometries, Quotas},
     problem::{Checked, Problem, Reason, Under},
-    session::{Access, Session},
-    writer::Writer,
 };
 
 /// Newest layout of what is kept; without ticks it is as the first.
@@ -63,7 +59,11 @@ impl Touched {
 pub(super) fn keep(question: pb::Question, scene: Scene) -> Checked<pb::Replay> {
     let (scene, touched) = scene.explained();
     let reading = Reading::of(&question, &scene).under("question")?;
-    let answer = match question::answer(&question, &scene) {
+    let answer = question::answer(&question, &scene);
+    if let Some(asked) = &question.question {
+        scene.tell(|| (asked.clone(), answer.clone()));
+    }
+    let answer = match answer {
         Err(problem) if problem.is(Reason::Deadline) => return Err(problem),
         answer => answered(answer),
     };
@@ -178,11 +178,7 @@ pub(crate) fn ask_again(kept: &pb::Replay) -> Checked<pb::Answer> {
     }
     intake.end(&geometries, &cut)?;
     let world = world(kept, &geometries)?;
-    let access = Access::Open(Mutex::default());
-    let (settings, waiting) = (Settings::default(), Arc::new(Semaphore::new(1)));
-    let parts = (Writer::of(world), geometries);
-    let session = Arc::new(Session::new("replay".to_owned(), access, None, &settings, waiting, parts));
-    let (scene, _) = Scene::of_newest(session).explained();
+    let (scene, _) = Scene::alone(world, geometries).explained();
     Ok(answered(question::answer(question, &scene)))
 }
 

@@ -8,26 +8,32 @@ use std::{
 use collision::{
     accuracy::Accuracy,
     answer::Verdict,
-    world::{Filter, Found, Meter, Notes, QuestionError, Snapshot},
+    world::{Filter, Found, Meter, Notes, QuestionError, Snapshot, World},
 };
+use parking_lot::Mutex;
 use prost::Message;
+use tokio::sync::Semaphore;
 use tonic::{Request, Response, Status};
 use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
 
 use super::{
     Caller, Server,
     account::{Account, PAIRS_TOLD},
+    answering::{Hint, answered},
     fitting,
     replay::{SHAPES, Touched},
 };
 use crate::{
     building::Workshop,
-    compute::{self, Weight},
+    compute::Weight,
+    config::Settings,
     convert::{answer, question, trace::trace},
     deadline::Deadline,
+    geometries::Geometries,
     problem::{Checked, Problem, Under},
-    session::Session,
+    session::{Access, Session},
     token::Role,
+    writer::Writer,
 };
 
 /// Steps that one question may take: some twenty seconds of work, so that what grazes without end is refused, not worked on for
@@ -67,6 +73,18 @@ pub(super) enum Naming {
     Nothing,
 }
 
+/// Looks at the clock, each after some 100 µs of work, until a question that may not take long is interrupted.
+const LOOKS_OF_SHORT: u32 = 16;
+
+/// How long a question may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Patience {
+    /// A few milliseconds: others wait for the thread. Then it is interrupted, whatever its deadline.
+    Short,
+    /// Until the deadline.
+    Endless,
+}
+
 /// What a question is asked in.
 #[derive(Clone, Debug)]
 pub(super) struct Scene {
@@ -75,6 +93,7 @@ pub(super) struct Scene {
     pub(super) workshop: Option<Arc<Workshop>>,
     pub(super) snapshot: Arc<Snapshot>,
     pub(super) deadline: Deadline,
+    pub(super) patience: Patience,
     /// What applies to each question that does not say otherwise.
     pub(super) shared: Terms,
     pub(super) naming: Naming,
@@ -109,19 +128,25 @@ impl Scene {
             session,
             workshop: Some(server.workshop.clone()),
             deadline: caller.deadline,
+            patience: Patience::Endless,
             shared: Terms::default(),
             naming: Naming::Tick,
             touched: None,
         })
     }
 
-    /// The newest version of a session's world, for whoever holds the session.
-    pub(super) fn of_newest(session: Arc<Session>) -> Self {
+    /// The newest version of a world by itself, without a server.
+    pub(super) fn alone(world: World, geometries: Geometries) -> Self {
+        let access = Access::Open(Mutex::default());
+        let (settings, waiting) = (Settings::default(), Arc::new(Semaphore::new(1)));
+        let parts = (Writer::of(world), geometries);
+        let session = Arc::new(Session::new("alone".to_owned(), access, None, &settings, waiting, parts));
         Self {
             snapshot: session.newest(),
             session,
             workshop: None,
             deadline: Deadline::default(),
+            patience: Patience::Endless,
             shared: Terms::default(),
             naming: Naming::Tick,
             touched: None,
@@ -165,7 +190,14 @@ impl Scene {
         terms: &Terms,
         asked: impl FnOnce(&mut Meter<'_>) -> Result<Found<H>, QuestionError>,
     ) -> Checked<(Found<H>, Account)> {
-        let mut keep_going = || self.deadline.is_ahead();
+        let mut looks_left = match self.patience {
+            Patience::Short => LOOKS_OF_SHORT,
+            Patience::Endless => u32::MAX,
+        };
+        let mut keep_going = || {
+            looks_left = looks_left.saturating_sub(1);
+            looks_left > 0 && self.deadline.is_ahead()
+        };
         let most = if self.touched.is_some() { SHAPES } else { PAIRS_TOLD };
         let mut notes = terms.explain.then(|| Notes::new(most));
         let mut meter = Meter::new(&mut keep_going).with_limit(QUESTION_STEPS);
@@ -224,15 +256,23 @@ impl Scene {
 
 /// A request that asks one question of a session.
 pub(super) trait Asking: Message + 'static {
+    /// What it makes to do, as far as its kind tells.
+    const WEIGHT: Weight = Weight::Light;
     /// Which session.
     fn session(&self) -> &str;
     /// What applies to it.
     fn options(&self) -> Option<&pb::QueryOptions>;
+    /// What it is about, where that is one form.
+    fn subject(&self) -> Option<&pb::Subject> {
+        None
+    }
 }
 
 macro_rules! asking {
-    ($($request:ident),*) => {
+    ($($request:ident $(about $subject:ident)? $(is $weight:ident)?),*) => {
         $(impl Asking for pb::$request {
+            $(const WEIGHT: Weight = Weight::$weight;)?
+
             fn session(&self) -> &str {
                 &self.session
             }
@@ -240,21 +280,25 @@ macro_rules! asking {
             fn options(&self) -> Option<&pb::QueryOptions> {
                 self.options.as_deref()
             }
+
+            $(fn subject(&self) -> Option<&pb::Subject> {
+                self.$subject.as_ref()
+            })?
         })*
     };
 }
 
 asking!(
     RaycastRequest,
-    OverlapRequest,
-    PenetrationRequest,
-    TimeOfImpactRequest,
-    DistanceRequest,
-    MoveCharacterRequest,
-    DepenetrateRequest,
-    FirstTouchRequest,
+    OverlapRequest about subject,
+    PenetrationRequest about subject,
+    TimeOfImpactRequest about subject,
+    DistanceRequest about subject,
+    MoveCharacterRequest about subject,
+    DepenetrateRequest about subject,
+    FirstTouchRequest is Heavy,
     ResolveRequest,
-    PairsRequest,
+    PairsRequest is Heavy,
     BatchRequest,
     RaycastBatchRequest,
     OverlapBatchRequest,
@@ -273,18 +317,13 @@ pub(super) async fn unary<Q, A>(
     answer: fn(&Q, &Scene) -> Checked<A>,
 ) -> Result<Response<A>, Status>
 where
-    Q: Asking + Into<Asked>,
+    Q: Asking + Clone + Into<Asked>,
     A: Message + Clone + Into<Kind> + 'static,
 {
     let caller = Caller::of(&request);
     let asked = request.into_inner();
-    let scene = Scene::of(server, &caller, &asked).await?;
-    let weight = Weight::of_message(asked.encoded_len());
-    let answered = compute::run(weight, "answering a question", move || {
-        let answered = answer(&asked, &scene);
-        scene.tell(|| (asked.into(), answered.clone().map(Into::into)));
-        answered
-    })
-    .await?;
-    Ok(Response::new(fitting(answered, "ask for fewer hits")?))
+    let scene = Scene { patience: Patience::Short, ..Scene::of(server, &caller, &asked).await? };
+    let answered = answered(&Hint::of_message(&asked), &asked, &scene, answer).await;
+    scene.tell(|| (asked.into(), answered.clone().map(Into::into)));
+    Ok(Response::new(fitting(answered?, "ask for fewer hits")?))
 }
