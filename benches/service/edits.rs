@@ -12,7 +12,9 @@ use crate::dice::Dice;
 use crate::scene::Scene;
 
 /// Moves of a tick.
-const MOVES: u64 = 10_000;
+const MOVES: usize = 10_000;
+/// How far a shape goes in a tick at most, along each axis, metres.
+const STEP: f64 = 0.1;
 /// Different ticks, which come again and again.
 const TICKS: usize = 4;
 /// Between two ticks.
@@ -114,10 +116,9 @@ fn paced(period: Duration) -> tokio::time::Interval {
     at
 }
 
-/// A tick that moves the first shapes anywhere.
+/// A tick that puts the first shapes near where they were at the beginning.
 fn moves(form: Form, scene: &Scene, dice: &mut Dice) -> Vec<proto::Edit> {
-    let places: Vec<(u64, [f64; 3])> =
-        (1..=MOVES).map(|id| (id, dice.point(scene.side).map(|number| f64::from(number as f32)))).collect();
+    let places: Vec<(u64, [f64; 3])> = scene.places().take(MOVES).map(|(id, place)| (id, near(place, dice))).collect();
     match form {
         Form::Nested => places.into_iter().map(|(id, place)| edit::move_to(id, place)).collect(),
         Form::Columns => {
@@ -130,4 +131,9 @@ fn moves(form: Form, scene: &Scene, dice: &mut Dice) -> Vec<proto::Edit> {
             vec![proto::Edit { op: Some(proto::edit::Op::Moves(moves)) }]
         }
     }
+}
+
+/// Singles, so that columns say the same.
+fn near(place: [f64; 3], dice: &mut Dice) -> [f64; 3] {
+    place.map(|number| f64::from((number + dice.between(-0.5 * STEP, 0.5 * STEP)) as f32))
 }

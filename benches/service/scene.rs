@@ -79,6 +79,11 @@ impl Scene {
         Self { items: forms.into_iter().zip(1..).map(item).collect(), side }
     }
 
+    /// Where the shapes are, by id.
+    pub(crate) fn places(&self) -> impl Iterator<Item = (u64, [f64; 3])> {
+        self.items.iter().map(|item| (item.id, item.position))
+    }
+
     /// Puts it into a server's world.
     pub(crate) async fn fill(&self, client: &Client) -> Result<(), Failure> {
         let mut writer = EditWriter::open(client, "bench").await?;
