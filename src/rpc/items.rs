@@ -4,10 +4,12 @@
 //! Items are asked turn by turn. What is there for the sake of others is done once a turn, not once an item: the fence, the look at
 //! the clock, the counters of the session. A turn ends where its steps say that a look at the clock is due.
 
+use std::ops::Range;
+
 use collision::{
     accuracy::Accuracy,
     answer::Verdict,
-    world::{Filter, Found, Meter, QuestionError, ShapeId, Snapshot},
+    world::{Filter, Found, Meter, QuestionError, RayHit, Raycast, ShapeId, Snapshot},
 };
 use wire::v1 as pb;
 
@@ -63,14 +65,28 @@ impl<'a> Items<'a> {
         count: usize,
         mut item: impl FnMut(&mut Turn<'a>, usize) -> Checked<()>,
     ) -> Checked<()> {
+        self.each_group(count, 1, |turn, group| item(turn, group.start)).await
+    }
+
+    /// The same, so many numbers at a time.
+    ///
+    /// # Errors
+    /// As [`Items::each`].
+    pub(super) async fn each_group(
+        &mut self,
+        count: usize,
+        size: usize,
+        mut group: impl FnMut(&mut Turn<'a>, Range<usize>) -> Checked<()>,
+    ) -> Checked<()> {
         let mut next = 0;
         while next < count {
             self.turns.next().await?;
             let turn = &mut self.turn;
             let done = fenced("answering a question", || {
                 while next < count && turn.steps < STEPS_BETWEEN_LOOKS {
-                    item(turn, next)?;
-                    next += 1;
+                    let end = count.min(next + size);
+                    group(turn, next..end)?;
+                    next = end;
                 }
                 Ok(())
             });
@@ -114,6 +130,44 @@ impl Turn<'_> {
         self.undecided_count += u64::from(found.verdict == Verdict::Undecided);
         self.account.add(account, index);
         Ok(found)
+    }
+
+    /// Asks about several rays, the first of which is item `first`, and the shape that each does not see besides.
+    ///
+    /// # Errors
+    /// As [`Turn::ask`].
+    pub(super) fn ask_rays(
+        &mut self,
+        first: usize,
+        rays: &[(Raycast, Option<ShapeId>)],
+    ) -> Checked<Vec<Found<RayHit>>> {
+        if let Some(found) = self.ask_rays_together(rays)? {
+            return Ok(found);
+        }
+        let mut ask = |(index, (question, ignored)): (usize, &(Raycast, Option<ShapeId>))| {
+            self.ask(index, *ignored, |world, filter, accuracy, meter| world.raycast(question, filter, accuracy, meter))
+        };
+        (first..).zip(rays).map(&mut ask).collect()
+    }
+
+    /// `None` where each is to be asked by itself, because it is to tell what it does, or what is wrong with it.
+    fn ask_rays_together(&mut self, rays: &[(Raycast, Option<ShapeId>)]) -> Checked<Option<Vec<Found<RayHit>>>> {
+        let Self { scene, terms, .. } = self;
+        if terms.explains() {
+            return Ok(None);
+        }
+        let asked =
+            scene.ask_uncounted(terms, |meter| scene.snapshot.raycasts(rays, &terms.filter, &terms.accuracy, meter));
+        let (found, account) = match asked {
+            Ok(asked) => asked,
+            Err(problem) if problem.is(Reason::Deadline) => return Err(problem),
+            Err(_) => return Ok(None),
+        };
+        self.steps += 1 + account.work().steps();
+        self.question_count += found.len() as u64;
+        self.undecided_count += found.iter().filter(|found| found.verdict == Verdict::Undecided).count() as u64;
+        self.account.add(account, 0);
+        Ok(Some(found))
     }
 
     /// Ends a turn: what was counted is counted in the session.

@@ -49,6 +49,11 @@ pub(super) struct Terms {
 }
 
 impl Terms {
+    /// Whether questions tell what they do.
+    pub(super) fn explains(&self) -> bool {
+        self.explain
+    }
+
     /// These terms where `own` says nothing else.
     pub(super) fn overridden_by(&self, own: Option<&pb::QueryOptions>) -> Checked<Cow<'_, Self>> {
         let Some(own) = own else { return Ok(Cow::Borrowed(self)) };
@@ -185,11 +190,11 @@ impl Scene {
     /// # Errors
     /// What the world refuses, the deadline.
     #[inline]
-    pub(super) fn ask_uncounted<H>(
+    pub(super) fn ask_uncounted<T>(
         &self,
         terms: &Terms,
-        asked: impl FnOnce(&mut Meter<'_>) -> Result<Found<H>, QuestionError>,
-    ) -> Checked<(Found<H>, Account)> {
+        asked: impl FnOnce(&mut Meter<'_>) -> Result<T, QuestionError>,
+    ) -> Checked<(T, Account)> {
         let mut looks_left = match self.patience {
             Patience::Short => LOOKS_OF_SHORT,
             Patience::Endless => u32::MAX,

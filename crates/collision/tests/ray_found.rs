@@ -70,3 +70,18 @@ fn a_hull_too_small_for_its_own_rounding_is_not_hit_from_afar() {
     let touches = cast(&late, &tiny, Pose::at(DVec3::ONE));
     assert!(touches.certain.is_none(), "{touches:?}");
 }
+
+/// Found by fuzzing a world, which said so, beside the kernel, which touched where the ray would begin.
+#[test]
+fn a_ray_that_ends_before_it_begins_touches_nothing() {
+    let ball = Geometry::sphere(1.0).expect("a ball");
+    let ground = Geometry::half_space(DVec3::Y, 0.5).expect("a half space");
+    let corners = [DVec3::new(-9.0, 0.0, -9.0), DVec3::new(9.0, 0.0, -9.0), DVec3::new(0.0, 0.0, 9.0)];
+    let sheet = Geometry::mesh(&corners, &[[0, 1, 2]]).expect("a mesh");
+    for geometry in [&ball, &ground, &sheet] {
+        let down = ray(DVec3::Y * 0.25, -DVec3::Y);
+        assert!(cast(&down, geometry, Pose::IDENTITY).certain.is_some());
+        let none = cast(&Ray { min_distance: 0.3, max_distance: 0.29, ..down }, geometry, Pose::IDENTITY);
+        assert!(none.certain.is_none() && none.undecided.is_none(), "{none:?}");
+    }
+}

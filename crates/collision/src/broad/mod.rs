@@ -15,6 +15,7 @@ mod open;
 mod pairs;
 mod path;
 mod traverse;
+mod walk;
 mod wide;
 
 pub use dynamic::{DynamicTree, Refit};
@@ -22,3 +23,4 @@ pub use fixed::StaticTree;
 pub use levels::NodeBox;
 pub use path::{Line, Path};
 pub use traverse::{ALL_LAYERS, Toll, Tree, distance_at_least};
+pub use walk::{Step, Walk, Walked};

@@ -25,6 +25,7 @@ mod pairs;
 mod penetration;
 mod question;
 mod raycast;
+mod rays;
 mod resolve;
 mod search;
 mod settings;

@@ -63,21 +63,21 @@ impl Hit for RayHit {
 }
 
 /// A ray as a path of the trees, which count multiples of the direction where the ray counts metres.
-struct Track {
-    line: Line,
+pub(super) struct Track {
+    pub(super) line: Line,
     /// Length of the path's direction.
     length: f64,
 }
 
 impl Track {
-    fn new(ray: &Ray) -> Self {
+    pub(super) fn new(ray: &Ray) -> Self {
         let direction = ray.direction * power_of_two_towards_one(ray.direction.abs().max_element());
         let path = Path { origin: ray.origin, direction, reach: DVec3::ZERO };
         Self { line: Line::new(&path), length: direction.norm() }
     }
 
     /// The `t` of a distance, so much too large that no box is lost by it.
-    fn limit(&self, distance: f64) -> f64 {
+    pub(super) fn limit(&self, distance: f64) -> f64 {
         distance / self.length * tolerance::LIMIT_WIDENING
     }
 
@@ -128,6 +128,44 @@ impl Raycast {
     }
 }
 
+/// A ray on its way through a world, and what it has hit so far.
+pub(super) struct Cast<'a> {
+    question: &'a Raycast,
+    aim: Aim<'a>,
+    gathered: Gathered<RayHit>,
+}
+
+impl<'a> Cast<'a> {
+    pub(super) fn new(question: &'a Raycast) -> Self {
+        Self { question, aim: Aim::new(&question.ray), gathered: Gathered::new(question.mode) }
+    }
+
+    /// What it hits of one side, if it may; where it ends then, as the trees count.
+    #[inline]
+    pub(super) fn meet(
+        &mut self,
+        track: &Track,
+        other: &Side<'_>,
+        sieve: &Sieve<'_>,
+        accuracy: &Accuracy,
+        meter: &mut Meter<'_>,
+    ) -> Result<f64, QuestionError> {
+        let limit = self.gathered.limit().min(self.question.ray.max_distance);
+        if let Some(least) = track.entry(other.bounds, limit)
+            && sieve.passes(other)
+        {
+            meter.look()?;
+            self.question.look(&self.aim, other, least, accuracy, meter, &mut self.gathered);
+        }
+        Ok(track.limit(self.gathered.limit()))
+    }
+
+    /// What it hit.
+    pub(super) fn finish(self) -> Found<RayHit> {
+        self.gathered.finish()
+    }
+}
+
 impl Snapshot {
     /// What a ray hits of one shape or geometry alone, whatever a filter would say of it.
     ///
@@ -174,20 +212,11 @@ impl Snapshot {
         meter: &mut Meter<'_>,
     ) -> Result<Found<RayHit>, QuestionError> {
         let _asking = self.asking().now();
-        let ray = &question.ray;
-        let (track, aim) = (Track::new(ray), Aim::new(ray));
-        let mut gathered = Gathered::new(question.mode);
-        self.along(&track.line, track.limit(ray.max_distance), sieve.layers_seen(), meter, |meter, other| {
-            let limit = gathered.limit().min(ray.max_distance);
-            if let Some(least) = track.entry(other.bounds, limit)
-                && sieve.passes(&other)
-            {
-                meter.look()?;
-                question.look(&aim, &other, least, accuracy, meter, &mut gathered);
-            }
-            Ok(track.limit(gathered.limit()))
+        let (track, mut cast) = (Track::new(&question.ray), Cast::new(question));
+        self.along(&track.line, track.limit(question.ray.max_distance), sieve.layers_seen(), meter, |meter, other| {
+            cast.meet(&track, &other, sieve, accuracy, meter)
         })?;
-        Ok(gathered.finish())
+        Ok(cast.finish())
     }
 }
 

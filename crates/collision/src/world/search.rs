@@ -120,7 +120,7 @@ impl Snapshot {
     }
 
     /// The trees that a question searches.
-    fn trees(&self) -> Trees<'_> {
+    pub(super) fn trees(&self) -> Trees<'_> {
         let (state, past) = match &self.content {
             Content::Now(state) => (state, None),
             Content::Then(past) => (past.base(), Some(past)),
@@ -238,14 +238,14 @@ impl Snapshot {
 }
 
 /// The trees that a question searches.
-struct Trees<'a> {
-    state: &'a State,
+pub(super) struct Trees<'a> {
+    pub(super) state: &'a State,
     /// What was otherwise, if a past moment is asked: that has a tree of its own.
-    past: Option<&'a Past>,
+    pub(super) past: Option<&'a Past>,
     /// Over the static shapes, if there are any.
-    fixed: Option<&'a Fixed>,
+    pub(super) fixed: Option<&'a Fixed>,
     /// Over the moving shapes, unless the tree of the past holds them all.
-    moving: Option<&'a DynamicTree>,
+    pub(super) moving: Option<&'a DynamicTree>,
 }
 
 impl<'a> Trees<'a> {

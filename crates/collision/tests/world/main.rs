@@ -22,6 +22,7 @@ mod pierce;
 mod questions;
 #[path = "../broad/random.rs"]
 mod random;
+mod rays;
 mod readers;
 mod resolve;
 mod retold;

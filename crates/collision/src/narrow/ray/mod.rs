@@ -56,7 +56,7 @@ pub struct Ray {
     pub direction: DVec3,
     /// Pass over what is nearer than this, metres.
     pub min_distance: f64,
-    /// How far, metres.
+    /// How far, metres; less than `min_distance`, it touches nothing.
     pub max_distance: f64,
     /// Bodies are hollow: a ray that begins inside goes on to the wall. Of no account unless `faces` is
     /// [`Faces::Both`], since the others are about walls only.
@@ -147,6 +147,9 @@ pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Wo
 /// As [`raycast`], with a ray that was made ready, and a target that may be at hand.
 pub(crate) fn raycast_of(aim: &Aim<'_>, target: Operand<'_>, accuracy: &Accuracy, work: &mut Work) -> RayTouches {
     let Operand { placed: Placed { geometry, pose }, simple } = target;
+    if aim.ray.min_distance > aim.ray.max_distance {
+        return RayTouches::default();
+    }
     if let Some(simple) = simple {
         let about = Target::about_origin(simple.reach(), 0.0);
         return convex_touches(aim, &simple.convex(), (about, &pose), accuracy, work);
