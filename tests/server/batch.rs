@@ -73,3 +73,41 @@ async fn a_batch_gives_the_same_answers_as_single_questions_and_items_override_i
     assert!(hits[0].is_empty(), "the batch excludes shape 1");
     assert_eq!(hits[1], single.hits, "the item excludes another one instead");
 }
+
+/// Rays in a row are asked together, which shows in nothing: not in answers, nor problems, nor counts.
+#[tokio::test]
+async fn many_rays_of_a_batch_answer_as_each_does_alone() {
+    let mut bench = readme_world().await;
+    let ray = |number: u32| {
+        let lean = f64::from(number) * 0.004 - 0.4;
+        let direction = Some(pb::Vec3 { x: lean, y: 0.0, z: 1.0 });
+        let explain = number == 50;
+        let options = explain.then(|| Box::new(pb::QueryOptions { explain, ..pb::QueryOptions::default() }));
+        match number {
+            100 => pb::RaycastRequest::default(),
+            _ => pb::RaycastRequest { direction, options, ..pb::RaycastRequest::default() },
+        }
+    };
+    let questions = (0..200).map(|number| pb::Question { question: Some(Question::Raycast(ray(number))) }).collect();
+    let asked_before = bench.describe().await.question_count;
+    let request = pb::BatchRequest { questions, ..pb::BatchRequest::default() };
+    let answers = bench.questions.batch(request).await.unwrap().into_inner().answers;
+    assert_eq!(bench.describe().await.question_count - asked_before, 199, "the wrong one is not answered");
+    let (mut hits, mut misses) = (0, 0);
+    for (number, answer) in (0..).zip(answers) {
+        match answer.answer.unwrap() {
+            Answer::Raycast(told) => {
+                let alone = bench.questions.raycast(ray(number)).await.unwrap().into_inner();
+                assert_eq!((told.verdict, &told.hits), (alone.verdict, &alone.hits), "ray {number}");
+                assert_eq!(told.info.is_some(), number == 50);
+                hits += told.hits.len();
+                misses += usize::from(told.hits.is_empty());
+            }
+            Answer::Problem(problem) => {
+                assert_eq!((number, problem.field.as_str()), (100, "questions[100].raycast.direction"));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(hits > 20 && misses > 20, "vacuous: {hits} hits, {misses} misses");
+}
