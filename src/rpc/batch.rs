@@ -1,19 +1,15 @@
 //! `Batch`: questions of any kinds, answered on one tick; each fails by itself.
 
-use collision::{
-    answer::Verdict,
-    world::{Raycast, ShapeId},
-};
-use wire::v1::{self as pb, answer::Answer as Kind, question::Question as Asked};
+use wire::v1 as pb;
 
 use super::{
     question::{self, Heading},
+    raycast,
     scene::{Naming, Patience, Scene},
     turns::Turns,
 };
 use crate::{
-    convert::{answer as found, number::at_most, question as asked},
-    fence::fenced,
+    convert::number::at_most,
     problem::{Checked, Problem, Reason, Under},
 };
 
@@ -39,9 +35,10 @@ pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb
     let mut turns = Turns::begun(scene.deadline);
     while let Some(rest) = sent.questions.get(answers.len()..).filter(|rest| !rest.is_empty()) {
         turns.next().await?;
+        let plain_ray = |asked| raycast::plain(asked).filter(|ray| ray.session.is_empty());
         let rays: Vec<&pb::RaycastRequest> = rest.iter().take(TOGETHER).map_while(plain_ray).collect();
-        if let Some(told) = answer_together(&rays, &scene) {
-            answers.extend(told);
+        if let Some(told) = raycast::answer_together(&rays, &scene) {
+            answers.extend(told.into_iter().map(|told| pb::Answer { answer: Some(told.into()) }));
             continue;
         }
         for question in &rest[..rays.len().max(1)] {
@@ -50,35 +47,6 @@ pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb
         }
     }
     Ok(pb::BatchResponse { answers, info: Some(info) })
-}
-
-/// A ray that leaves to its batch all that a batch can say.
-fn plain_ray(asked: &pb::Question) -> Option<&pb::RaycastRequest> {
-    match &asked.question {
-        Some(Asked::Raycast(ray)) if ray.session.is_empty() && ray.options.is_none() && ray.against.is_none() => {
-            Some(ray)
-        }
-        _ => None,
-    }
-}
-
-/// `None` where each is to be answered by itself: because they are few, or are to tell what they do, or something is wrong with one.
-fn answer_together(rays: &[&pb::RaycastRequest], scene: &Scene) -> Option<Vec<pb::Answer>> {
-    if rays.len() < 2 || scene.shared.explains() {
-        return None;
-    }
-    let questions: Vec<(Raycast, Option<ShapeId>)> =
-        rays.iter().map(|ray| Some((asked::raycast(ray).ok()?, None))).collect::<Option<_>>()?;
-    let terms = &scene.shared;
-    let found = fenced("answering a question", || {
-        scene.ask_uncounted(terms, |meter| scene.snapshot.raycasts(&questions, &terms.filter, &terms.accuracy, meter))
-    });
-    let (found, _) = found.ok()?.ok()?;
-    let told: Vec<Kind> =
-        found.iter().map(|found| found::raycast(found).ok().map(Kind::from)).collect::<Option<_>>()?;
-    scene.count(found.len() as u64, found.iter().filter(|found| found.verdict == Verdict::Undecided).count() as u64);
-    rays.iter().zip(&told).for_each(|(ray, told)| scene.tell(|| ((*ray).clone().into(), Ok(told.clone()))));
-    Some(told.into_iter().map(|told| pb::Answer { answer: Some(told) }).collect())
 }
 
 async fn answer_one(asked: &pb::Question, scene: &Scene, index: usize) -> pb::Answer {

@@ -4,7 +4,8 @@
 //! Each message is answered as its unary call would be, on the version that is the newest when its turn comes. Answers wait
 //! for their reader in a short queue: a slow one stops the reading of questions, and so, by the flow control of the
 //! connection, the client. To wake the reader for each answer would cost as much as a ray does. So answers are handed over when no
-//! further message is there, when the next one is none of the quick kinds, after some, or after some time, whatever comes first.
+//! further message is there, when the next one is none of the quick kinds, after some, or after some time, whatever comes first. Rays of
+//! one session that are there together are asked together.
 
 use std::sync::Arc;
 
@@ -17,7 +18,7 @@ use wire::v1::{
 use super::{
     Answers, Caller, Server,
     answers::{Handed, Unread, hand, stream_of_lists},
-    batch, distance_batch, fits, line_of_sight, overlap_batch, question, raycast_batch,
+    batch, distance_batch, fits, line_of_sight, overlap_batch, question, raycast, raycast_batch,
     scene::{Asking, Patience, Scene},
     time_of_impact_batch,
     turns::Turns,
@@ -51,11 +52,11 @@ async fn run(
     answers: &Unread<Vec<pb::QueryStreamResponse>>,
 ) -> Result<(), Status> {
     let mut turns = Turns::begun(caller.deadline);
-    let mut ready = Vec::new();
+    let (mut ready, mut held) = (Vec::new(), None);
     loop {
         // What is there already is taken at once: asking what else may end the call costs a lock each, so a stream that never
         // pauses is asked once a turn.
-        let came = match messages.message().now_or_never() {
+        let came = match held.take().or_else(|| messages.message().now_or_never()) {
             Some(came) => came,
             None => {
                 if hand_over(answers, &mut ready).await? == Handed::Gone {
@@ -74,7 +75,7 @@ async fn run(
         };
         let is_over = turns.is_over();
         let is_quick = matches!(&came, Ok(Some(message)) if is_quick(message));
-        if (!is_quick || is_over || ready.len() == TOGETHER) && hand_over(answers, &mut ready).await? == Handed::Gone {
+        if (!is_quick || is_over || ready.len() >= TOGETHER) && hand_over(answers, &mut ready).await? == Handed::Gone {
             return Ok(());
         }
         let message = came.map_err(the_api_says)?;
@@ -84,6 +85,11 @@ async fn run(
         }
         let Some(message) = message else { return Ok(()) };
         turns.next().await?;
+        if plain_ray(&message).is_some() {
+            let rays = gather(message, &mut messages, &mut held);
+            ready.extend(answer_rays(server, caller, &rays).await);
+            continue;
+        }
         // Batches have turns of their own; those of quick ones are not worth a pause of these.
         let has_turns = !is_quick && !matches!(message.request, Some(Asked::Question(_)));
         if has_turns {
@@ -105,6 +111,66 @@ fn is_quick(message: &pb::QueryStreamRequest) -> bool {
         Some(Asked::RaycastBatch(rays)) => rays.directions.len() <= 3 * QUICK_RAYS,
         _ => false,
     }
+}
+
+fn plain_ray(message: &pb::QueryStreamRequest) -> Option<&pb::RaycastRequest> {
+    match &message.request {
+        Some(Asked::Question(asked)) => raycast::plain(asked),
+        _ => None,
+    }
+}
+
+/// What came from a stream.
+type Came = Result<Option<pb::QueryStreamRequest>, Status>;
+
+/// A plain ray and those of the same session that came right after it; what else came then is held.
+fn gather(
+    first: pb::QueryStreamRequest,
+    messages: &mut Streaming<pb::QueryStreamRequest>,
+    held: &mut Option<Came>,
+) -> Vec<pb::QueryStreamRequest> {
+    fn session(message: &pb::QueryStreamRequest) -> Option<&str> {
+        plain_ray(message).map(|ray| ray.session.as_str())
+    }
+    let mut rays = vec![first];
+    while rays.len() < TOGETHER {
+        match messages.message().now_or_never() {
+            Some(Ok(Some(next))) if session(&next) == session(&rays[0]) => rays.push(next),
+            came => {
+                *held = came;
+                break;
+            }
+        }
+    }
+    rays
+}
+
+/// Answers plain rays of one session, together if they can be.
+async fn answer_rays(
+    server: &Server,
+    caller: &Caller,
+    messages: &[pb::QueryStreamRequest],
+) -> Vec<pb::QueryStreamResponse> {
+    if let Some(told) = answer_together(server, caller, messages).await {
+        let told = told.into_iter().map(|told| pb::Answer { answer: Some(told.into()) });
+        return messages.iter().zip(told).map(|(message, told)| response(message, told.into())).collect();
+    }
+    let mut responses = Vec::with_capacity(messages.len());
+    for message in messages {
+        responses.push(answer(server, caller, message).await);
+    }
+    responses
+}
+
+async fn answer_together(
+    server: &Server,
+    caller: &Caller,
+    messages: &[pb::QueryStreamRequest],
+) -> Option<Vec<pb::RaycastResponse>> {
+    let rays: Vec<&pb::RaycastRequest> = messages.iter().filter_map(plain_ray).collect();
+    let [first, _, ..] = rays.as_slice() else { return None };
+    let scene = Scene::enter(server, caller, &first.session, None).await.ok()?;
+    raycast::answer_together(&rays, &Scene { patience: Patience::Short, ..scene })
 }
 
 /// Hands over what is ready.
@@ -130,9 +196,14 @@ async fn hand_over(
 /// The answer of one message, or why there is none. What is large is handed on by reference: a copy of every message at every step
 /// would cost more than the answers of columns do.
 async fn answer(server: &Server, caller: &Caller, message: &pb::QueryStreamRequest) -> pb::QueryStreamResponse {
-    let request_id = message.request_id;
     let answered = fenced_async("answering a question", answer_kind(server, caller, message)).await;
     let answered = answered.unwrap_or_else(Err).unwrap_or_else(|problem| problem.into_wire().into());
+    response(message, answered)
+}
+
+/// The message that answers another, or says that it would not fit.
+fn response(message: &pb::QueryStreamRequest, answered: Answered) -> pb::QueryStreamResponse {
+    let request_id = message.request_id;
     let response = pb::QueryStreamResponse { request_id, response: Some(answered) };
     match fits(&response, "ask for fewer hits, columns or items") {
         Ok(()) => response,

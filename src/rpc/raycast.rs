@@ -1,10 +1,15 @@
 //! `Raycast`: what a ray hits.
 
-use wire::v1 as pb;
+use collision::{
+    answer::Verdict,
+    world::{Raycast, ShapeId},
+};
+use wire::v1::{self as pb, question::Question as Asked};
 
-use super::scene::Scene;
+use super::{account::Account, scene::Scene};
 use crate::{
     convert::{answer as found, question as asked},
+    fence::fenced,
     problem::Checked,
 };
 
@@ -21,4 +26,34 @@ pub(super) fn answer(sent: &pb::RaycastRequest, scene: &Scene) -> Checked<pb::Ra
         Some(against) => scene.snapshot.raycast_against(&question, against, &terms.accuracy, meter),
     })?;
     Ok(pb::RaycastResponse { info: scene.info(&terms, account), ..found::raycast(&hits)? })
+}
+
+/// A ray that may be asked together with others of its session: it leaves options to whoever asks, and is asked of the world.
+pub(super) fn plain(asked: &pb::Question) -> Option<&pb::RaycastRequest> {
+    match &asked.question {
+        Some(Asked::Raycast(ray)) if ray.options.is_none() && ray.against.is_none() => Some(ray),
+        _ => None,
+    }
+}
+
+/// Answers plain rays on the scene's version, on the terms that it has for all. `None` where each is to be answered by itself: because
+/// there are few, or they are to tell what they do, or something is wrong with one.
+pub(super) fn answer_together(rays: &[&pb::RaycastRequest], scene: &Scene) -> Option<Vec<pb::RaycastResponse>> {
+    let terms = &scene.shared;
+    if rays.len() < 2 || terms.explains() {
+        return None;
+    }
+    let questions: Vec<(Raycast, Option<ShapeId>)> =
+        rays.iter().map(|ray| Some((asked::raycast(ray).ok()?, None))).collect::<Option<_>>()?;
+    let found = fenced("answering a question", || {
+        scene.ask_uncounted(terms, |meter| scene.snapshot.raycasts(&questions, &terms.filter, &terms.accuracy, meter))
+    });
+    let (found, _) = found.ok()?.ok()?;
+    let info = scene.info(terms, Account::default());
+    let told =
+        found.iter().map(|found| Some(pb::RaycastResponse { info: info.clone(), ..found::raycast(found).ok()? }));
+    let told: Vec<pb::RaycastResponse> = told.collect::<Option<_>>()?;
+    scene.count(found.len() as u64, found.iter().filter(|found| found.verdict == Verdict::Undecided).count() as u64);
+    rays.iter().zip(&told).for_each(|(ray, told)| scene.tell(|| ((*ray).clone().into(), Ok(told.clone().into()))));
+    Some(told)
 }
