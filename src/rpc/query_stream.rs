@@ -30,7 +30,7 @@ use crate::{
 };
 
 /// Answers that are handed over at a time, at most.
-const TOGETHER: usize = 16;
+const TOGETHER: usize = 32;
 /// Rays of a batch that are answered in less than a short turn.
 const QUICK_RAYS: usize = 128;
 /// Lists of answers that wait for a reader.
