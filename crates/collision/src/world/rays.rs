@@ -16,7 +16,7 @@ use super::{
     raycast::{Cast, Track},
     search::{Side, Trees},
     state::Fixed,
-    store::Slot,
+    store::{Slot, Store},
 };
 use crate::{
     accuracy::Accuracy,
@@ -42,27 +42,19 @@ impl Snapshot {
         meter: &mut Meter<'_>,
     ) -> Result<Vec<Found<RayHit>>, QuestionError> {
         let _asking = self.asking().now();
-        let trees = self.trees();
-        if !is_walked(&trees) {
-            let mut filter = filter.clone();
-            let mut ask = |(question, unseen): &(Raycast, Option<ShapeId>)| {
-                let count = filter.exclude_ids.len();
-                filter.exclude_ids.extend(*unseen);
-                let found = self.raycast(question, &filter, accuracy, meter);
-                filter.exclude_ids.truncate(count);
-                found
-            };
-            return questions.iter().map(&mut ask).collect();
+        if let Some(party) = Party::through(self.trees(), filter, accuracy) {
+            return party.ask(questions, meter);
         }
-        Party { trees, sieve: Sieve::new(filter, None), accuracy }.ask(questions, meter)
+        let mut filter = filter.clone();
+        let ask = |(question, unseen): &(Raycast, Option<ShapeId>)| {
+            let count = filter.exclude_ids.len();
+            filter.exclude_ids.extend(*unseen);
+            let found = self.raycast(question, &filter, accuracy, meter);
+            filter.exclude_ids.truncate(count);
+            found
+        };
+        questions.iter().map(ask).collect()
     }
-}
-
-fn is_walked(trees: &Trees<'_>) -> bool {
-    trees.past.is_none()
-        && trees.state.shapes.len() >= SHAPES_MIN
-        && trees.fixed.is_none_or(|fixed| fixed.tree.is_walked())
-        && trees.moving.is_none_or(Walked::is_walked)
 }
 
 /// A tree that rays go through.
@@ -120,7 +112,10 @@ impl In<'_> {
 
 /// Rays that go side by side.
 struct Party<'a> {
-    trees: Trees<'a>,
+    shapes: &'a Store,
+    /// Gone through first.
+    fixed: Option<&'a Fixed>,
+    moving: &'a DynamicTree,
     sieve: Sieve<'a>,
     accuracy: &'a Accuracy,
 }
@@ -138,6 +133,17 @@ struct Lane<'a> {
 }
 
 impl<'a> Party<'a> {
+    /// `None` where rays are to be asked one by one.
+    fn through(trees: Trees<'a>, filter: &'a Filter, accuracy: &'a Accuracy) -> Option<Self> {
+        let Trees { state, past: None, fixed, moving: Some(moving) } = trees else { return None };
+        let is_walked = moving.is_walked() && fixed.is_none_or(|fixed| fixed.tree.is_walked());
+        let is_large = state.shapes.len() >= SHAPES_MIN;
+        (is_large && is_walked).then(|| {
+            let sieve = Sieve::new(filter, None);
+            Self { shapes: &state.shapes, fixed, moving, sieve, accuracy }
+        })
+    }
+
     fn ask(
         &self,
         questions: &'a [(Raycast, Option<ShapeId>)],
@@ -156,7 +162,7 @@ impl<'a> Party<'a> {
                         found[number] = Some(cast.finish());
                     }
                     let Some((number, (question, unseen))) = waiting.next() else { break };
-                    *lane = self.begin(number, (question, *unseen), walk, meter)?;
+                    *lane = Some(self.begin(number, (question, *unseen), walk, meter)?);
                 }
                 if let Some(lane) = lane {
                     is_any = true;
@@ -187,14 +193,13 @@ impl<'a> Party<'a> {
         (question, unseen): (&'a Raycast, Option<ShapeId>),
         walk: &mut Walk,
         meter: &mut Meter<'_>,
-    ) -> Result<Option<Lane<'a>>, QuestionError> {
-        let tree = self.trees.fixed.map(In::Fixed).or(self.trees.moving.map(In::Moving));
-        let Some(tree) = tree else { return Ok(None) };
+    ) -> Result<Lane<'a>, QuestionError> {
+        let tree = self.fixed.map_or(In::Moving(self.moving), In::Fixed);
         let (track, cast) = (Track::new(&question.ray), Cast::new(question));
         let limit = track.limit(question.ray.max_distance);
         let mut lane = Lane { number, unseen, track, cast, limit, tree, step: Step::Leaf(0) };
         self.enter_tree(&mut lane, walk, meter)?;
-        Ok(Some(lane))
+        Ok(lane)
     }
 
     /// Begins the way of a lane through the tree that it is in now.
@@ -218,8 +223,8 @@ impl<'a> Party<'a> {
                 lane.step = step;
                 return Ok(true);
             }
-            let (In::Fixed(_), Some(moving)) = (lane.tree, self.trees.moving) else { return Ok(false) };
-            lane.tree = In::Moving(moving);
+            let In::Fixed(_) = lane.tree else { return Ok(false) };
+            lane.tree = In::Moving(self.moving);
             self.enter_tree(lane, walk, meter)?;
         }
     }
@@ -229,7 +234,7 @@ impl<'a> Party<'a> {
         match lane.step {
             Step::Node(node) => lane.tree.read_node_ahead(node),
             Step::Leaf(leaf) => {
-                let entry = self.trees.state.shapes.entry(lane.tree.slot(leaf));
+                let entry = self.shapes.entry(lane.tree.slot(leaf));
                 entry.bounds.min.x.to_bits() ^ entry.read_ahead()
             }
         }
@@ -237,7 +242,7 @@ impl<'a> Party<'a> {
 
     /// What a lane hits of the shape in a slot; where it ends then.
     fn meet(&self, lane: &mut Lane<'a>, slot: Slot, meter: &mut Meter<'_>) -> Result<f64, QuestionError> {
-        let side = Side::of(self.trees.state.shapes.entry(slot));
+        let side = Side::of(self.shapes.entry(slot));
         if lane.unseen.is_none() || side.id() != lane.unseen {
             let end = lane.cast.meet(&lane.track, &side, &self.sieve, self.accuracy, meter)?;
             lane.limit = lane.limit.min(end);
