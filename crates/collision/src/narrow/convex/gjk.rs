@@ -4,7 +4,8 @@
 //! Gilbert-Johnson-Keerthi: the simplex's nearest point bounds the gap from above, the support plane across it from
 //! below. When the simplex no longer changes, the normal is taken from the features that support it (edge, face) instead
 //! of from the nearest point, whose direction loses ε·S/d of its accuracy at a gap d; so narrow gaps keep their proof. Where
-//! that leaves more than rounding, beside round cores, the normals of straight features are tried ([`straight`]).
+//! that leaves more than rounding, beside round cores, the normals of straight features are tried ([`straight`]), and at the tips of
+//! needles normals that lean.
 //!
 //! # Source
 //! Gilbert, Johnson, Keerthi (1988); stopping on the certified gap: van den Bergen, "A fast and robust GJK
@@ -35,6 +36,9 @@ use crate::{
 /// Most vertices that join the features of a nearest point once it has settled. One or two do for faces that meet at an
 /// edge; the rest is for slivers and for round hulls.
 const POLISH_ROUNDS: u32 = 32;
+
+/// Most planes that are tried by leaning: a few do, unless there is no such plane.
+const LEAN_ROUNDS: u32 = 16;
 
 /// What is known of the gap between two cores, in the pair's frame.
 pub(super) struct Gap {
@@ -158,6 +162,7 @@ impl Gap {
                 && !self.polish(pair, nearest / length, length)
                 && !self.straighten(pair, nearest / length, length)
             {
+                self.lean(pair, nearest / length, length);
                 return Stop::Converged;
             }
         }
@@ -219,6 +224,28 @@ impl Gap {
             self.simplex.cross(&vertex);
         }
         self.simplex.point().norm() < length
+    }
+
+    /// The same by leaning, where that left more than rounding: where the nearest point lies at the tip of a needle, which no plane of its
+    /// faces is across. What a support vertex lies before the nearest point's plane the normal is leaned towards that vertex, by no
+    /// more than it takes; a little lean costs a square of a little.
+    ///
+    /// Relaxation: Agmon, "The Relaxation Method for Linear Inequalities" (1954).
+    #[inline(never)]
+    fn lean(&mut self, pair: &Pair<'_>, toward: DVec3, length: f64) {
+        let mut normal = toward;
+        for _ in 0..LEAN_ROUNDS {
+            if length - self.lower <= DEPTH_WIDTH {
+                break;
+            }
+            let vertex = self.raise_lower(pair, normal, 1.0).point;
+            let missing = length - normal.dot(vertex);
+            let leaned = normal + vertex * (missing / vertex.length_squared());
+            match leaned.try_unit() {
+                Some(leaned) => normal = leaned,
+                None => break,
+            }
+        }
     }
 
     /// Goes on where a depth turned out to be a gap and this search had lost its way, among slivers that may hold the origin: from
