@@ -11,8 +11,11 @@
 use super::{ShapeId, search::Side};
 use crate::{
     accuracy::Accuracy,
-    answer::{Certificate, Verdict, Work},
-    narrow,
+    answer::{Bound, Certificate, Verdict, Work},
+    math::{Norm, Pose},
+    narrow::{self, Placed, Ray},
+    shape::Geometry,
+    tolerance,
 };
 
 /// Farther apart, in metres, are no two forms within the limits of a world.
@@ -28,8 +31,8 @@ pub struct Note {
     /// What is proved of the two.
     pub verdict: Verdict,
     /// What the value is worth that was found: of contacts that of the deepest. Of two that are proved farther apart than was
-    /// asked, bounds of how far apart they are, metres (of a depth: below 0). `None` where there is no value: a ray or a motion
-    /// that passes by, a pair that is refused.
+    /// asked, bounds of how far apart they are, metres (of a depth: below 0); of a ray that passes by, of how far from the shape. `None`
+    /// where there is no value: a motion that passes by, a pair that is refused.
     pub certificate: Option<Certificate>,
     /// What it took: nodes of the trees in the two geometries, pairs of their pieces, iterations.
     pub work: Work,
@@ -54,10 +57,37 @@ impl Note {
         if found.is_some() {
             return note;
         }
-        let (a, b) = (subject.placed, other.operand());
-        let apart = narrow::distance_of(a, b, FARTHEST, accuracy, &mut Work::default());
-        Self { certificate: apart.map(|apart| Certificate { verdict: Verdict::Miss, ..apart.certificate }), ..note }
+        Self { certificate: apart(subject.placed, other, 0.0, accuracy), ..note }
     }
+
+    /// The same of a ray: one that passes by is measured as far as it is beside the shape.
+    pub(super) fn of_ray(ray: &Ray, other: &Side<'_>, found: Option<Certificate>, accuracy: &Accuracy) -> Self {
+        let note = Self::of([None, other.id()], found);
+        if found.is_some() {
+            return note;
+        }
+        Self { certificate: passing(ray, other, accuracy), ..note }
+    }
+}
+
+/// How far apart two are, one of which may be off by so much.
+fn apart(a: Placed<'_>, other: &Side<'_>, off: f64, accuracy: &Accuracy) -> Option<Certificate> {
+    let found = narrow::distance_of(a, other.operand(), FARTHEST, accuracy, &mut Work::default())?.certificate;
+    let bound = Bound { lower: (found.bound.lower - off).max(0.0), upper: found.bound.upper + off };
+    Some(Certificate { verdict: Verdict::Miss, bound, ..found })
+}
+
+/// How far from a shape a ray passes: its part beside the shape's box, which holds the point that is nearest, is measured as a flat form.
+fn passing(ray: &Ray, other: &Side<'_>, accuracy: &Accuracy) -> Option<Certificate> {
+    let direction = ray.direction.try_unit().filter(|_| ray.min_distance <= ray.max_distance)?;
+    let (min, max) = (other.bounds.min, other.bounds.max);
+    let beside = ((min * 0.5 + max * 0.5) - ray.origin).dot(direction);
+    let reach = ((max - min) * 0.5).dot(direction.abs());
+    let [begin, end] = [beside - reach, beside + reach].map(|at| at.clamp(ray.min_distance, ray.max_distance));
+    let (middle, half) = (ray.origin + direction * (begin * 0.5 + end * 0.5), direction * (end * 0.5 - begin * 0.5));
+    let part = Geometry::hull(&[half, -half]).ok()?;
+    let off = (ray.origin.abs().max_element() + begin.abs().max(end.abs())) * (2.0 * tolerance::SLAB_SLACK);
+    apart(Placed { geometry: &part, pose: Pose::at(middle) }, other, off, accuracy)
 }
 
 /// Notes of a question, so many at most.

@@ -115,7 +115,7 @@ impl Raycast {
         let touches = narrow::raycast_of(aim, other.operand(), accuracy, &mut meter.work);
         meter.note(|| {
             let first = touches.certain.or(touches.undecided);
-            Note::of([None, other.id()], first.map(|touch| touch.certificate))
+            Note::of_ray(&self.ray, other, first.map(|touch| touch.certificate), accuracy)
         });
         let hit = |mut touch: RayTouch| {
             raise(&mut touch.distance, &mut touch.certificate, least);

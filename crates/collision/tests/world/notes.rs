@@ -1,23 +1,25 @@
 //! What a question notes of itself changes nothing, adds up, and is all that its answer depends on.
 
+use std::sync::Arc;
+
 use collision::{
+    DVec3,
+    accuracy::Accuracy,
     answer::{Verdict, Work},
-    world::{Meter, Note, Notes, Snapshot, Subject},
+    math::Pose,
+    narrow::Ray,
+    shape::Geometry,
+    world::{Filter, HitMode, Meter, Note, Notes, Raycast, Snapshot, Subject},
 };
 
 use crate::{
     determinism::FRAMES,
     random::Random,
-    scene::{Question, ask, ask_by, random_filter, random_questions, random_shapes, world_of},
+    scene::{Question, ask, ask_by, random_filter, random_questions, random_shapes, ray, shape, world_of},
 };
 
 /// Its answer, what it noted, at most `most`, and what it cost.
-fn noted(
-    world: &Snapshot,
-    question: &Question,
-    filter: &collision::world::Filter,
-    most: usize,
-) -> (String, Notes, Work) {
+fn noted(world: &Snapshot, question: &Question, filter: &Filter, most: usize) -> (String, Notes, Work) {
     let mut go_on = || true;
     let mut notes = Notes::new(most);
     let mut meter = Meter::new(&mut go_on).noting(&mut notes);
@@ -125,4 +127,46 @@ fn what_is_proved_apart_is_measured() {
         }
     }
     assert!(measured > 100, "vacuous: {measured}");
+}
+
+/// How far from the middle of a ball a ray passes, less the radius.
+fn gap(ray: &Ray, middle: DVec3, radius: f64) -> f64 {
+    let direction = ray.direction.normalize();
+    let along = (middle - ray.origin).dot(direction).clamp(ray.min_distance, ray.max_distance);
+    (ray.origin + direction * along).distance(middle) - radius
+}
+
+#[test]
+fn of_a_ray_that_passes_by_it_is_told_how_far() {
+    let mut random = Random::new(31);
+    let (mut passed, mut short) = (0, 0);
+    for scale in [1e-3, 1.0, 1e5] {
+        for _ in 0..2500 {
+            let (middle, radius) = (random.vector() * 3.0 * scale, (0.2 + random.unit()) * scale);
+            let ball = Arc::new(Geometry::sphere(radius).expect("a ball"));
+            let world = world_of([shape(1, ball, Pose::at(middle))]).newest();
+            let max_distance = if random.unit() < 0.5 { 4e12 } else { random.unit() * 5.0 * scale };
+            let aim = middle + random.vector() * 2.0 * scale;
+            let origin = random.vector() * 6.0 * scale;
+            let question = Raycast { ray: Ray { max_distance, ..ray(origin, aim - origin) }, mode: HitMode::Closest };
+            let mut go_on = || true;
+            let mut notes = Notes::new(9);
+            let mut meter = Meter::new(&mut go_on).noting(&mut notes);
+            let found = world.raycast(&question, &Filter::default(), &Accuracy::default(), &mut meter).expect("found");
+            let Some(note) = notes.list.first().filter(|_| found.verdict == Verdict::Miss) else { continue };
+            let certificate = note.certificate.expect("it is measured");
+            let expected = gap(&question.ray, middle, radius);
+            let slack = 1e-14 * scale;
+            let bound = certificate.bound;
+            assert!(
+                bound.lower <= expected + slack && expected <= bound.upper + slack,
+                "{question:?}: {expected}, {bound:?}"
+            );
+            assert!(bound.lower >= 0.0 && bound.width() < 1e-12 * scale, "{question:?}: {bound:?}");
+            assert_eq!(certificate.verdict, Verdict::Miss);
+            passed += 1;
+            short += usize::from((middle - origin).length() - radius > max_distance);
+        }
+    }
+    assert!(passed > 300 && short > 5, "vacuous: {passed} passed by, {short} of them ended before");
 }
