@@ -29,6 +29,14 @@ pub(crate) async fn read(newest: Arc<Snapshot>, read_at: ReadAt) -> Checked<Arc<
     compute::run(weight, "preparing the past", move || newest.at(moment).map_err(|error| refused(&error))).await
 }
 
+/// A tick of a world's history.
+///
+/// # Errors
+/// It is not held, or not made yet.
+pub(crate) fn at_tick(world: &Arc<Snapshot>, tick: Tick) -> Checked<Arc<Snapshot>> {
+    world.at(Moment::Tick(tick)).map_err(|error| refused(&error))
+}
+
 /// What is said of a version that cannot be read.
 pub(crate) fn refused(error: &HistoryError) -> Problem {
     match *error {

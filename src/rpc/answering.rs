@@ -25,7 +25,7 @@ use crate::{
 /// Questions about forms of more pieces are handed over.
 const PIECES: usize = 1024;
 /// What a question is said to do where it panics.
-const ANSWERING: &str = "answering a question";
+pub(super) const ANSWERING: &str = "answering a question";
 
 /// What tells how long a question takes before it is asked.
 #[derive(Clone, Copy, Debug)]

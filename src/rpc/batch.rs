@@ -15,8 +15,6 @@ use crate::{
 
 /// Most questions of a batch.
 const QUESTIONS: usize = 65_536;
-/// Rays in a row that are asked together: some fifty microseconds of work.
-const TOGETHER: usize = 64;
 
 /// Answers it on the scene's version.
 ///
@@ -34,12 +32,14 @@ pub(super) async fn answer(sent: &pb::BatchRequest, scene: &Scene) -> Checked<pb
     let mut answers = Vec::with_capacity(sent.questions.len());
     let mut turns = Turns::begun(scene.deadline);
     while let Some(rest) = sent.questions.get(answers.len()..).filter(|rest| !rest.is_empty()) {
-        turns.next().await?;
         let plain_ray = |asked| raycast::plain(asked).filter(|ray| ray.session.is_empty());
-        let rays: Vec<&pb::RaycastRequest> = rest.iter().take(TOGETHER).map_while(plain_ray).collect();
-        if let Some(told) = raycast::answer_together(&rays, &scene) {
-            answers.extend(told.into_iter().map(|told| pb::Answer { answer: Some(told.into()) }));
-            continue;
+        let rays: Vec<&pb::RaycastRequest> = rest.iter().take(raycast::TOGETHER).map_while(plain_ray).collect();
+        if rays.len() > 1 {
+            turns.next().await?;
+            if let Some(told) = raycast::answer_together(&rays, &scene) {
+                answers.extend(told.into_iter().map(|told| pb::Answer { answer: Some(told.into()) }));
+                continue;
+            }
         }
         for question in &rest[..rays.len().max(1)] {
             turns.next().await?;

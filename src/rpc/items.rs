@@ -15,6 +15,7 @@ use wire::v1 as pb;
 
 use super::{
     account::Account,
+    answering::ANSWERING,
     scene::{Asking, Scene, Terms},
     turns::Turns,
 };
@@ -82,7 +83,7 @@ impl<'a> Items<'a> {
         while next < count {
             self.turns.next().await?;
             let turn = &mut self.turn;
-            let done = fenced("answering a question", || {
+            let done = fenced(ANSWERING, || {
                 while next < count && turn.steps < STEPS_BETWEEN_LOOKS {
                     let end = count.min(next + size);
                     group(turn, next..end)?;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use collision::{
     answer::Verdict,
-    world::{Found, Moment, Pair, Snapshot, Tick},
+    world::{Found, Pair, Snapshot, Tick},
 };
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
@@ -90,7 +90,7 @@ pub(super) fn since(sent: &pb::PairsRequest, world: &Arc<Snapshot>) -> Checked<O
         return Err(Problem::at("since_tick", Reason::OutOfLimits, what));
     }
     past::check_held("since_tick", tick, world)?;
-    world.at(Moment::Tick(tick)).map(Some).map_err(|error| past::refused(&error))
+    past::at_tick(world, tick).map(Some)
 }
 
 fn list(sent: &pb::PairsRequest, scene: &Scene) -> Checked<Listed> {

@@ -17,6 +17,7 @@ use wire::v1::{
 
 use super::{
     Answers, Caller, Server,
+    answering::ANSWERING,
     answers::{Handed, Unread, hand, stream_of_lists},
     batch, distance_batch, fits, line_of_sight, overlap_batch, question, raycast, raycast_batch,
     scene::{Asking, Patience, Scene},
@@ -196,7 +197,7 @@ async fn hand_over(
 /// The answer of one message, or why there is none. What is large is handed on by reference: a copy of every message at every step
 /// would cost more than the answers of columns do.
 async fn answer(server: &Server, caller: &Caller, message: &pb::QueryStreamRequest) -> pb::QueryStreamResponse {
-    let answered = fenced_async("answering a question", answer_kind(server, caller, message)).await;
+    let answered = fenced_async(ANSWERING, answer_kind(server, caller, message)).await;
     let answered = answered.unwrap_or_else(Err).unwrap_or_else(|problem| problem.into_wire().into());
     response(message, answered)
 }

@@ -6,12 +6,15 @@ use collision::{
 };
 use wire::v1::{self as pb, question::Question as Asked};
 
-use super::{account::Account, scene::Scene};
+use super::{account::Account, answering::ANSWERING, scene::Scene};
 use crate::{
     convert::{answer as found, question as asked},
     fence::fenced,
     problem::Checked,
 };
+
+/// Rays that are asked together at most: some fifty microseconds of work.
+pub(super) const TOGETHER: usize = 64;
 
 /// Answers it on the scene's version.
 ///
@@ -45,7 +48,7 @@ pub(super) fn answer_together(rays: &[&pb::RaycastRequest], scene: &Scene) -> Op
     }
     let questions: Vec<(Raycast, Option<ShapeId>)> =
         rays.iter().map(|ray| Some((asked::raycast(ray).ok()?, None))).collect::<Option<_>>()?;
-    let found = fenced("answering a question", || {
+    let found = fenced(ANSWERING, || {
         scene.ask_uncounted(terms, |meter| scene.snapshot.raycasts(&questions, &terms.filter, &terms.accuracy, meter))
     });
     let (found, _) = found.ok()?.ok()?;

@@ -2,14 +2,11 @@
 
 use wire::v1::{self as pb, answer::Answer as Kind};
 
-use super::{items::Items, scene::Scene};
+use super::{items::Items, raycast::TOGETHER, scene::Scene};
 use crate::{
     convert::{answer, hit_columns::Hits, rays::Rays, trace},
     problem::Checked,
 };
-
-/// Rays that are asked together: some fifty microseconds of work.
-const TOGETHER: usize = 64;
 
 /// Answers it on the scene's version.
 ///

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeSet, sync::Arc};
 
-use collision::world::{Edit, Moment, ShapeId, Snapshot, Tick};
+use collision::world::{Edit, ShapeId, Snapshot, Tick};
 use wire::v1::{self as pb, question::Question as Asked};
 
 use super::{pairs, scene::Scene};
@@ -33,7 +33,7 @@ impl Reading {
         match &question.question {
             Some(Asked::FirstTouch(sent)) => {
                 let asked = first_touch::first_touch(sent, &scene.session.geometries, world).under("first_touch")?;
-                Ok(Self::Way(then(world, asked.from)?, asked.to))
+                Ok(Self::Way(past::at_tick(world, asked.from)?, asked.to))
             }
             Some(Asked::Pairs(sent)) => Ok(match pairs::since(sent, world).under("pairs")? {
                 Some(old) => Self::Since(old),
@@ -71,7 +71,7 @@ impl Reading {
                 let mut before = from.clone();
                 let mut ticks = Vec::new();
                 while before.tick() < *to {
-                    let after = then(world, before.tick().saturating_add(1))?;
+                    let after = past::at_tick(world, before.tick().saturating_add(1))?;
                     ticks.push(after.edits_from(&before, ids.iter().copied()));
                     before = after;
                 }
@@ -80,8 +80,4 @@ impl Reading {
             }
         }
     }
-}
-
-fn then(world: &Arc<Snapshot>, tick: Tick) -> Checked<Arc<Snapshot>> {
-    world.at(Moment::Tick(tick)).map_err(|error| past::refused(&error))
 }

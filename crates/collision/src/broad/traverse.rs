@@ -18,6 +18,7 @@ use super::{
     open::{Open, Opens, push_but_nearest, push_in_order},
     pairs::each_pair,
     path::{Line, LocalPath, Path},
+    walk::Walked,
     wide::Wide,
 };
 use crate::{answer::Work, math::Aabb, tolerance};
@@ -155,12 +156,7 @@ impl<R: Rooted> Tree for R {
         mut visit: impl FnMut(&mut T, u32) -> Result<f64, T::Stop>,
     ) -> Result<(), T::Stop> {
         let forest = self.forest();
-        let mut limit = limit;
-        for large in self.listed_on(layers) {
-            if line.entry(&large.bounds, limit).is_some() {
-                limit = limit.min(visit(toll, large.leaf)?);
-            }
-        }
+        let mut limit = self.visit_listed(line, limit, layers, |leaf| visit(toll, leaf))?;
         if let [cell] = forest.cells.as_slice() {
             return follow(forest, cell, line, limit, layers, toll, &mut visit).map(|_| ());
         }

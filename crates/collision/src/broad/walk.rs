@@ -7,10 +7,9 @@
 
 use super::{
     forest::{Cell, Nodes, Rooted},
-    node::{Child, LANES, NO_NODE, Node, Target},
+    node::{Child, LANES, NO_NODE, Target},
     open::{Open, Opens, push_but_nearest},
     path::{Line, LocalPath},
-    wide::Wide,
 };
 
 /// How far a search along a path has come. Any number of searches may use it, one after the other.
@@ -84,8 +83,8 @@ pub trait Walked {
     /// Begins to walk along `line` up to `limit`.
     fn begin(&self, walk: &mut Walk, line: &Line, limit: f64, layers: u32);
 
-    /// The leaves that no walk comes by, which are looked at before it begins: those that the line may enter at a `t` of at most
-    /// `limit`, which `visit` returns anew.
+    /// The leaves that are in no node, which are looked at before the nodes: those that the line may enter at a `t` of at most `limit`,
+    /// which `visit` returns anew. Returns the limit at the end.
     ///
     /// # Errors
     /// What `visit` returned.
@@ -95,7 +94,7 @@ pub trait Walked {
         limit: f64,
         layers: u32,
         visit: impl FnMut(u32) -> Result<f64, E>,
-    ) -> Result<(), E>;
+    ) -> Result<f64, E>;
 
     /// Reads something of each line of memory that entering a node wants; what comes out means nothing.
     fn read_node_ahead(&self, node: u32) -> u64;
@@ -119,22 +118,20 @@ impl<R: Rooted> Walked for R {
         limit: f64,
         layers: u32,
         mut visit: impl FnMut(u32) -> Result<f64, E>,
-    ) -> Result<(), E> {
+    ) -> Result<f64, E> {
         let mut limit = limit;
         for large in self.listed_on(layers) {
             if line.entry(&large.bounds, limit).is_some() {
                 limit = limit.min(visit(large.leaf)?);
             }
         }
-        Ok(())
+        Ok(limit)
     }
 
     #[inline]
     fn read_node_ahead(&self, node: u32) -> u64 {
-        let Node { planes, children, .. } = self.forest().nodes.node(node);
-        let [x, _, z, _, upper_y, _]: &[Wide; 6] = planes;
-        let planes = [x, z, upper_y].map(|plane| plane.get(0).to_bits()).into_iter().fold(0, |all, bits| all ^ bits);
-        u64::from(planes ^ children[LANES - 1].bits())
+        let node = self.forest().nodes.node(node);
+        u64::from(node.read_planes_ahead() ^ node.children[LANES - 1].bits())
     }
 
     fn enter(&self, walk: &mut Walk, node: u32) {

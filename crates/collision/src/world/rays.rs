@@ -78,7 +78,7 @@ impl In<'_> {
         limit: f64,
         layers: u32,
         mut visit: impl FnMut(Slot) -> Result<f64, E>,
-    ) -> Result<(), E> {
+    ) -> Result<f64, E> {
         match self {
             Self::Fixed(fixed) => fixed.tree.visit_listed(line, limit, layers, |leaf| visit(fixed.slot(leaf))),
             Self::Moving(tree) => tree.visit_listed(line, limit, layers, |leaf| visit(Slot(leaf))),

@@ -79,7 +79,6 @@ impl DynamicTree {
 
     /// Reads something of each line of memory that holds boxes of a lane's node; what comes out means nothing.
     fn read_node(&self, lane: u32) -> u32 {
-        let [x, _, z, _, upper_y, _]: &[Wide; 6] = &self.forest.nodes[lane as usize / LANES].planes;
-        [x, z, upper_y].map(|plane| plane.get(0).to_bits()).into_iter().fold(0, |all, bits| all ^ bits)
+        self.forest.nodes[lane as usize / LANES].read_planes_ahead()
     }
 }
