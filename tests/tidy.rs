@@ -8,7 +8,7 @@ use std::{
 };
 
 /// What the domain may depend on, and nothing else.
-const COLLISION_DEPENDENCIES: [&str; 5] = ["blake3", "glam", "robust", "smallvec", "thiserror"];
+const COLLISION_DEPENDENCIES: [&str; 6] = ["blake3", "glam", "prefetch-index", "robust", "smallvec", "thiserror"];
 
 /// The layers of the domain: each uses only those before it (`shape` and `narrow` may ask trees of boxes).
 const LAYERS: [&str; 7] = ["math", "broad", "shape", "narrow", "decompose", "response", "world"];

@@ -13,6 +13,7 @@ use collision::{
     shape::Geometry,
     world::{Edit, EditRule, Filter, HitMode, Meter, Raycast, Shape, ShapeId, Snapshot, Time, World},
 };
+use rustix::time::{ClockId, clock_gettime};
 
 use crate::Failure;
 use crate::dice::Dice;
@@ -145,7 +146,7 @@ impl Library {
     /// Asks all rays for some time, again and again; returns what one costs, and the share that hits.
     pub(crate) fn ray(&self, time: Duration) -> Result<(Duration, f64), Failure> {
         let mut keep_going = || true;
-        let (began, cpu_before) = (Instant::now(), thread_cpu()?);
+        let (began, cpu_before) = (Instant::now(), thread_cpu());
         let (mut count, mut hits) = (0_u32, 0);
         while began.elapsed() < time {
             for question in &self.questions {
@@ -155,14 +156,14 @@ impl Library {
             }
             count += u32::try_from(self.questions.len())?;
         }
-        Ok(((thread_cpu()? - cpu_before) / count.max(1), f64::from(hits) / f64::from(count.max(1))))
+        Ok(((thread_cpu() - cpu_before) / count.max(1), f64::from(hits) / f64::from(count.max(1))))
     }
 }
 
 /// Processor time of this thread.
-fn thread_cpu() -> Result<Duration, Failure> {
-    let line = std::fs::read_to_string("/proc/thread-self/schedstat")?;
-    Ok(Duration::from_nanos(line.split(' ').next().unwrap_or("0").parse()?))
+fn thread_cpu() -> Duration {
+    let taken = clock_gettime(ClockId::ThreadCPUTime);
+    Duration::new(taken.tv_sec.unsigned_abs(), taken.tv_nsec as u32)
 }
 
 impl Item {

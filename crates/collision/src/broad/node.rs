@@ -3,11 +3,13 @@
 //! Lanes are of fixed width and the arithmetic is the same wherever it runs, so the same boxes are found on every machine.
 
 use glam::Vec3A;
+use prefetch_index::prefetch_index;
 
 use super::{
     local::LocalBox,
     wide::{Mask, Wide},
 };
+use crate::tolerance;
 
 /// Boxes of a node at most.
 pub(super) use super::wide::LANES;
@@ -105,6 +107,15 @@ impl Node {
     pub(super) fn read_planes_ahead(&self) -> u32 {
         let [x, _, z, _, upper_y, _] = &self.planes;
         [x, z, upper_y].map(|plane| plane.get(0).to_bits()).into_iter().fold(0, |all, bits| all ^ bits)
+    }
+
+    /// Asks for the memory that it is in, but for its layers, without waiting for it: two planes to a line, then what they lead to.
+    #[inline]
+    pub(super) fn prefetch(&self) {
+        for plane in [0, 2, 4] {
+            prefetch_index(self.planes.as_slice(), plane);
+        }
+        prefetch_index(self.children.as_slice(), 0);
     }
 
     /// The box of a lane.
@@ -207,6 +218,16 @@ impl Node {
         let y = min_y.at_most(query[4]) & query[1].at_most(*max_y);
         let z = min_z.at_most(query[5]) & query[2].at_most(*max_z);
         Lanes::of(x & y & z)
+    }
+
+    /// Not above the squared distances of its boxes to a box, given plane by plane.
+    pub(super) fn distances_sq(&self, query: &[Wide; 6]) -> Wide {
+        let gap = |axis: usize| {
+            let (below, above) = (query[axis] - self.planes[axis + 3], self.planes[axis] - query[axis + 3]);
+            below.max(above).max(Wide::splat(0.0))
+        };
+        let (x, y, z) = (gap(0), gap(1), gap(2));
+        (x * x + y * y + z * z) * Wide::splat(tolerance::TREE_NARROWING)
     }
 
     /// The pairs of lanes whose boxes touch.

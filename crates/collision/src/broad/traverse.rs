@@ -5,7 +5,8 @@
 //! box in any order, along a path the nearest entry first, and for the nearest from a list of open nodes in order, so that no
 //! node is looked at that is farther than the final answer. A node is skipped only if it lies beyond the limit, which the
 //! visitor lowers as it finds certain hits. Stacks and lists grow: no node is ever dropped. They have room for a usual
-//! tree, so that a search asks for no memory.
+//! tree, so that a search asks for no memory. A node that will be looked at later is fetched as soon as it is known, and waited for
+//! when its turn comes.
 
 use std::ops::ControlFlow;
 
@@ -14,7 +15,7 @@ use smallvec::SmallVec;
 use super::{
     forest::{Cell, Forest, Nodes, Rooted},
     local::LocalBox,
-    node::{Child, Lanes, NO_NODE, Node, Target},
+    node::{Child, Lanes, NO_NODE, Target},
     open::{Open, Opens, push_but_nearest, push_in_order},
     pairs::each_pair,
     path::{Line, LocalPath, Path},
@@ -259,7 +260,10 @@ pub(super) fn touch<T: Toll, N: Nodes>(
         let node = forest.nodes.node(index);
         for lane in node.on_layers(node.touching(&query), layers) {
             match node.children[lane].target() {
-                Target::Node(below) => stack.push(below),
+                Target::Node(below) => {
+                    forest.nodes.node(below).prefetch();
+                    stack.push(below);
+                }
                 Target::Leaf(leaf) => {
                     if visit(toll, leaf)?.is_break() {
                         return Ok(ControlFlow::Break(()));
@@ -316,6 +320,10 @@ fn descend<T: Toll, N: Nodes>(
                 let node = forest.nodes.node(index);
                 let (lanes, entries) = path.entering(node, local_limit);
                 next = push_but_nearest(&mut stack, node, node.on_layers(lanes, layers), entries);
+                // It comes next if nothing below does.
+                if let Some(Target::Node(index)) = stack.last().map(|open| open.child().target()) {
+                    forest.nodes.node(index).prefetch();
+                }
             }
             Target::Leaf(leaf) => {
                 let found = visit(toll, leaf)?;
@@ -357,7 +365,7 @@ fn approach<T: Toll, N: Nodes>(
             Target::Node(index) => {
                 toll.pay()?;
                 let node = forest.nodes.node(index);
-                let distances_sq = distances_sq(node, &query);
+                let distances_sq = node.distances_sq(&query);
                 let lanes = Lanes::of(distances_sq.at_most(Wide::splat(limit_sq)));
                 for lane in node.on_layers(lanes, layers).filter(|&lane| node.children[lane] != Child::NOTHING) {
                     push_in_order(&mut open, Open::new(distances_sq.get(lane), node.children[lane]));
@@ -383,14 +391,4 @@ fn squared(limit: f64) -> f32 {
     } else {
         (limit * limit * tolerance::TREE_LIMIT_WIDENING) as f32 + f32::MIN_POSITIVE
     }
-}
-
-/// Not above the squared distances of the boxes of a node to a box.
-fn distances_sq(node: &Node, query: &[Wide; 6]) -> Wide {
-    let gap = |axis: usize| {
-        let (below, above) = (query[axis] - node.planes[axis + 3], node.planes[axis] - query[axis + 3]);
-        below.max(above).max(Wide::splat(0.0))
-    };
-    let (x, y, z) = (gap(0), gap(1), gap(2));
-    (x * x + y * y + z * z) * Wide::splat(tolerance::TREE_NARROWING)
 }

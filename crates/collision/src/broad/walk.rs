@@ -2,12 +2,12 @@
 //!
 //! # Method
 //! The same search as [`Tree::visit_ray`](super::Tree::visit_ray), of a tree with one cell, with its state outside of the loop. In a tree
-//! larger than the caches a search waits for each node in turn. Whoever takes several walks reads ahead what each will look at next, and
+//! larger than the caches a search waits for each node in turn. Whoever takes several walks asks ahead for what each will look at next, and
 //! waits for all of them at once.
 
 use super::{
     forest::{Cell, Nodes, Rooted},
-    node::{Child, LANES, NO_NODE, Target},
+    node::{Child, NO_NODE, Target},
     open::{Open, Opens, push_but_nearest},
     path::{Line, LocalPath},
 };
@@ -96,8 +96,8 @@ pub trait Walked {
         visit: impl FnMut(u32) -> Result<f64, E>,
     ) -> Result<f64, E>;
 
-    /// Reads something of each line of memory that entering a node wants; what comes out means nothing.
-    fn read_node_ahead(&self, node: u32) -> u64;
+    /// Asks for the memory that entering a node wants, without waiting for it.
+    fn prefetch(&self, node: u32);
 
     /// Enters a node that is the next step.
     fn enter(&self, walk: &mut Walk, node: u32);
@@ -129,9 +129,8 @@ impl<R: Rooted> Walked for R {
     }
 
     #[inline]
-    fn read_node_ahead(&self, node: u32) -> u64 {
-        let node = self.forest().nodes.node(node);
-        u64::from(node.read_planes_ahead() ^ node.children[LANES - 1].bits())
+    fn prefetch(&self, node: u32) {
+        self.forest().nodes.node(node).prefetch();
     }
 
     fn enter(&self, walk: &mut Walk, node: u32) {

@@ -20,7 +20,7 @@ impl Snapshot {
         let (old, new) = (old.state(), self.state());
         let mut ids = Vec::new();
         for slot in new.shapes.unshared_slots(&old.shapes) {
-            let [before, after] = [old, new].map(|state| state.shapes.get(slot).map(|entry| &entry.shape));
+            let [before, after] = [old, new].map(|state| state.shapes.get(slot).map(|entry| entry.shape()));
             if is_other(before, after, is_alike) {
                 ids.extend(before.into_iter().chain(after).map(|shape| shape.id));
             }
@@ -29,7 +29,7 @@ impl Snapshot {
         ids.dedup();
         // What only went to another slot is the same shape.
         ids.retain(|&id| {
-            let [before, after] = [old, new].map(|state| state.get(id).map(|entry| &entry.shape));
+            let [before, after] = [old, new].map(|state| state.get(id).map(|entry| entry.shape()));
             is_other(before, after, is_alike)
         });
         ids

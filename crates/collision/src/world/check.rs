@@ -13,9 +13,9 @@ impl Snapshot {
         assert_eq!(state.moving.len() + state.static_count, state.shapes.len(), "each shape is in one tree");
         let mut moving_count = 0;
         for (_, entry) in state.shapes.iter() {
-            let found = state.get(entry.shape.id).map(|found| found.shape.id);
-            assert_eq!(found, Some(entry.shape.id), "the directory leads to each shape");
-            moving_count += usize::from(entry.shape.mobility != Mobility::Static);
+            let found = state.get(entry.shape().id).map(|found| found.shape().id);
+            assert_eq!(found, Some(entry.shape().id), "the directory leads to each shape");
+            moving_count += usize::from(entry.shape().mobility != Mobility::Static);
         }
         assert_eq!(moving_count, state.moving.len(), "the dynamic tree holds the moving shapes");
     }

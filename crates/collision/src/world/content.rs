@@ -37,7 +37,7 @@ impl Snapshot {
         let mut bytes = Vec::with_capacity(SHAPE_BYTES);
         for (_, slot) in self.state().ids.after(None) {
             bytes.clear();
-            write(&self.state().shapes.entry(slot).shape, &mut bytes);
+            write(self.state().shapes.entry(slot).shape(), &mut bytes);
             debug_assert_eq!(bytes.len(), SHAPE_BYTES, "all shapes are as long, so that none can look like another");
             hasher.update(&bytes);
         }

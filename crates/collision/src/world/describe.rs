@@ -66,7 +66,7 @@ impl Snapshot {
         let mut geometries: Vec<&Arc<Geometry>> = Vec::with_capacity(self.len());
         for (_, entry) in state.shapes.iter() {
             bounds = Some(bounds.map_or(entry.bounds, |bounds| bounds.union(entry.bounds)));
-            geometries.push(&entry.shape.geometry);
+            geometries.push(&entry.shape().geometry);
             if !entry.is_static() {
                 moving_boxes.push(entry.bounds);
             }

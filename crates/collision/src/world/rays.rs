@@ -2,13 +2,11 @@
 //!
 //! # Method
 //! In a world larger than the caches a ray waits for each node and each shape in turn, which takes longer than all it does with them. So
-//! several rays go side by side, a step each in turn: what all of them look at next is read first, and is on its way at once. Each goes
+//! several rays go side by side, a step each in turn: what all of them look at next is asked for first, and is on its way at once. Each goes
 //! the way that it goes by itself, so that answers and what is counted are the same.
 //!
 //! # Limits
 //! Rays into the past, and those in worlds of several cells, are asked one by one.
-
-use std::hint::black_box;
 
 use super::{
     Filter, Found, Meter, QuestionError, RayHit, Raycast, ShapeId, Snapshot,
@@ -24,7 +22,7 @@ use crate::{
 };
 
 /// Rays that go side by side.
-const SIDE_BY_SIDE: usize = 8;
+const SIDE_BY_SIDE: usize = 12;
 /// Shapes of a world from which on it pays: those of smaller ones are in the caches.
 const SHAPES_MIN: usize = 65_536;
 
@@ -94,10 +92,10 @@ impl In<'_> {
     }
 
     #[inline]
-    fn read_node_ahead(self, node: u32) -> u64 {
+    fn prefetch(self, node: u32) {
         match self {
-            Self::Fixed(fixed) => fixed.tree.read_node_ahead(node),
-            Self::Moving(tree) => tree.read_node_ahead(node),
+            Self::Fixed(fixed) => fixed.tree.prefetch(node),
+            Self::Moving(tree) => tree.prefetch(node),
         }
     }
 
@@ -154,7 +152,7 @@ impl<'a> Party<'a> {
         let mut lanes: [Option<Lane<'a>>; SIDE_BY_SIDE] = Default::default();
         let mut waiting = questions.iter().enumerate();
         loop {
-            let (mut is_any, mut all) = (false, 0);
+            let mut is_any = false;
             for (lane, walk) in lanes.iter_mut().zip(&mut walks) {
                 // Whose way is at its end makes room for the next.
                 while !self.goes_on(lane, walk, meter)? {
@@ -166,10 +164,9 @@ impl<'a> Party<'a> {
                 }
                 if let Some(lane) = lane {
                     is_any = true;
-                    all ^= self.read_ahead(lane);
+                    self.prefetch(lane);
                 }
             }
-            black_box(all);
             if !is_any {
                 return Ok(found.into_iter().flatten().collect());
             }
@@ -229,14 +226,11 @@ impl<'a> Party<'a> {
         }
     }
 
-    /// Reads something of each line of memory that the next step of a lane wants; what comes out means nothing.
-    fn read_ahead(&self, lane: &Lane<'a>) -> u64 {
+    /// Asks for the memory that the next step of a lane wants.
+    fn prefetch(&self, lane: &Lane<'a>) {
         match lane.step {
-            Step::Node(node) => lane.tree.read_node_ahead(node),
-            Step::Leaf(leaf) => {
-                let entry = self.shapes.entry(lane.tree.slot(leaf));
-                entry.bounds.min.x.to_bits() ^ entry.read_ahead()
-            }
+            Step::Node(node) => lane.tree.prefetch(node),
+            Step::Leaf(leaf) => self.shapes.prefetch(lane.tree.slot(leaf)),
         }
     }
 

@@ -35,10 +35,11 @@ impl<'a> Side<'a> {
     /// A shape of the world where it is.
     #[inline]
     pub(super) fn of(entry: &'a Entry) -> Self {
+        let shape = entry.shape();
         Self {
-            placed: Placed { geometry: &entry.shape.geometry, pose: entry.shape.pose },
+            placed: Placed { geometry: &shape.geometry, pose: shape.pose },
             simple: entry.simple.as_ref(),
-            shape: Some(&entry.shape),
+            shape: Some(shape),
             bounds: entry.bounds,
         }
     }
@@ -148,7 +149,7 @@ impl Snapshot {
         let mut batch = Batch::default();
         let mut look = |meter: &mut Meter<'m>, batch: &mut Batch<'a>| {
             batch.visit_near(outline, |entry| {
-                if sieve.lets_through(&entry.shape) { visit(meter, Side::of(entry)) } else { Ok(()) }
+                if sieve.lets_through(entry.shape()) { visit(meter, Side::of(entry)) } else { Ok(()) }
             })
         };
         let mut offer = |meter: &mut Meter<'m>, slot: Slot| {

@@ -180,7 +180,7 @@ impl Snapshot {
     #[must_use]
     pub fn shape(&self, id: ShapeId) -> Option<Cow<'_, Shape>> {
         match &self.content {
-            Content::Now(state) => state.get(id).map(|entry| Cow::Borrowed(&entry.shape)),
+            Content::Now(state) => state.get(id).map(|entry| Cow::Borrowed(entry.shape())),
             Content::Then(past) => past.shape(id),
         }
     }
@@ -208,7 +208,7 @@ impl Snapshot {
             .map(|(_, slot)| state.shapes.entry(slot))
             .filter(|entry| bounds.is_none_or(|bounds| bounds.intersects(entry.bounds)))
             .take(most)
-            .map(|entry| &entry.shape)
+            .map(|entry| entry.shape())
             .collect()
     }
 

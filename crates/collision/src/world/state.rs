@@ -50,7 +50,7 @@ impl Fixed {
     fn build(shapes: &Store) -> Self {
         let entries = shapes.iter().filter(|(_, entry)| entry.is_static());
         let (slots, boxes): (Vec<Slot>, Vec<(Aabb, u32)>) =
-            entries.map(|(slot, entry)| (slot, (entry.bounds, entry.shape.layers))).unzip();
+            entries.map(|(slot, entry)| (slot, (entry.bounds, entry.shape().layers))).unzip();
         Self { tree: StaticTree::build_on_layers(boxes.iter().copied()), slots }
     }
 
@@ -145,7 +145,7 @@ impl State {
             Edit::Move { id, position, rotation, velocity, angular_velocity, teleport } => {
                 let slot = self.ids.get(id).ok_or(id)?;
                 let motion = if teleport { Motion::Teleported } else { Motion::Travelled };
-                let shape = &mut self.shapes.entry_mut(slot).shape;
+                let shape = &mut self.shapes.entry_mut(slot).shape_mut();
                 let velocity = velocity.unwrap_or(shape.velocity);
                 let angular_velocity = angular_velocity.unwrap_or(shape.angular_velocity);
                 changes.moves(slot, shape, [velocity, angular_velocity], motion);
@@ -160,7 +160,7 @@ impl State {
             Edit::Remove(id) => Ok(u64::from(self.remove(id, changes))),
             Edit::Clear => {
                 let count = self.shapes.len() as u64;
-                self.shapes.iter().for_each(|(slot, entry)| changes.empties(slot, &entry.shape));
+                self.shapes.iter().for_each(|(slot, entry)| changes.empties(slot, entry.shape()));
                 let fixed_ledger = Arc::clone(&self.fixed_ledger);
                 *self = Self { fixed_ledger, margin: self.margin, ..Self::default() };
                 Ok(count)
@@ -194,8 +194,8 @@ impl State {
             return false;
         };
         let entry = self.shapes.entry(slot);
-        changes.empties(slot, &entry.shape);
-        self.bullet_count -= usize::from(entry.shape.bullet);
+        changes.empties(slot, entry.shape());
+        self.bullet_count -= usize::from(entry.shape().bullet);
         if entry.is_static() {
             self.static_count -= 1;
             self.forget_fixed();
@@ -208,17 +208,17 @@ impl State {
 
     fn place(&mut self, slot: Slot, pose: Pose, motion: Motion) {
         let entry = self.shapes.entry_mut(slot);
-        if entry.shape.pose == pose {
+        if entry.shape().pose == pose {
             // Equal, but perhaps −0 for 0: what was sent is what is kept.
-            entry.shape.pose = pose;
+            entry.shape_mut().pose = pose;
             return;
         }
-        let bounds = entry.shape.geometry.bounds(&pose);
+        let bounds = entry.shape().geometry.bounds(&pose);
         let step = match motion {
             Motion::Travelled => bounds.center().distance(entry.bounds.center()),
             Motion::Teleported => 0.0,
         };
-        entry.shape.pose = pose;
+        entry.shape_mut().pose = pose;
         entry.bounds = bounds;
         if entry.is_static() {
             self.forget_fixed();

@@ -119,7 +119,7 @@ impl<'a> Moving<'a> {
     /// `None` if it is not in both.
     fn between(old: &'a Snapshot, new: &'a Snapshot, id: ShapeId) -> Option<Self> {
         let (before, after) = (old.state().get(id)?, new.state().get(id)?);
-        Some(Self::travelling(Side::of(before), &after.shape.pose, id))
+        Some(Self::travelling(Side::of(before), &after.shape().pose, id))
     }
 
     /// From where `side` is to the pose `end`.

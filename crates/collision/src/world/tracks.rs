@@ -54,7 +54,7 @@ impl Tracks {
                 self.jumped.insert(*id);
             }
             Edit::Move { id, teleport: false, .. } => {
-                let is_bullet = state.get(*id).is_some_and(|entry| entry.shape.bullet);
+                let is_bullet = state.get(*id).is_some_and(|entry| entry.shape().bullet);
                 if is_bullet || self.rule != SweepRule::Bullets {
                     self.moved.push(*id);
                 }
@@ -82,12 +82,12 @@ impl Tracks {
             return false;
         };
         match self.rule {
-            _ if after.shape.bullet => true,
+            _ if after.shape().bullet => true,
             SweepRule::Bullets => false,
             SweepRule::FasterThan(share) => {
-                let way = after.shape.pose.position.distance(before.shape.pose.position);
+                let way = after.shape().pose.position.distance(before.shape().pose.position);
                 let size = (before.bounds.max - before.bounds.min).min_element();
-                !matches!(before.shape.geometry.form(), Form::HalfSpace(_)) && way > share * size
+                !matches!(before.shape().geometry.form(), Form::HalfSpace(_)) && way > share * size
             }
         }
     }

@@ -46,9 +46,9 @@ impl Snapshot {
         let sieve = Sieve::new(&view.filter, None);
         let entries = self.state().ids.after(None).map(|(_, slot)| self.state().shapes.entry(slot));
         let seen = entries.filter(|entry| {
-            view.bounds.is_none_or(|bounds| bounds.intersects(entry.bounds)) && sieve.lets_through(&entry.shape)
+            view.bounds.is_none_or(|bounds| bounds.intersects(entry.bounds)) && sieve.lets_through(entry.shape())
         });
-        ViewChanges { inserted: seen.map(|entry| entry.shape.clone()).collect(), ..ViewChanges::default() }
+        ViewChanges { inserted: seen.map(|entry| entry.shape().clone()).collect(), ..ViewChanges::default() }
     }
 
     /// How what a viewer sees came from what it saw of `old`, which may be any version of any world. Costs what differs.
@@ -71,7 +71,7 @@ impl Snapshot {
         let seen = |version: &Self, id: ShapeId| {
             let entry = version.state().get(id)?;
             let is_near = view.bounds.is_none_or(|bounds| bounds.intersects(entry.bounds));
-            (is_near && sieve.lets_through(&entry.shape)).then(|| entry.shape.clone())
+            (is_near && sieve.lets_through(entry.shape())).then(|| entry.shape().clone())
         };
         let mut changes = ViewChanges::default();
         for id in self.differing_from(old, is_same) {

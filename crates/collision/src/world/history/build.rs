@@ -128,7 +128,7 @@ impl Walk<'_> {
                 .base
                 .shapes
                 .get(slot)
-                .map(|entry| Held { origin: Origin::Base(slot), placement: Placement::of(&entry.shape) });
+                .map(|entry| Held { origin: Origin::Base(slot), placement: Placement::of(entry.shape()) });
             self.stories.push(Story { slot, held, next: NONE });
             self.places[at] = self.stories.len() as u32;
         }

@@ -100,7 +100,7 @@ impl<'a> Tenants<'a> {
     fn id(&self, slot: Slot) -> Option<ShapeId> {
         match self.earlier.get(&slot) {
             Some(id) => *id,
-            None => self.newest.state().shapes.get(slot).map(|entry| entry.shape.id),
+            None => self.newest.state().shapes.get(slot).map(|entry| entry.shape().id),
         }
     }
 }

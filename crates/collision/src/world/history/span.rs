@@ -102,7 +102,7 @@ impl Span {
             return Some(Cow::Owned(self.shape_at(&self.tracks[leaf as usize], instant)));
         }
         let slot = self.base.ids.get(id).filter(|&slot| !self.is_overridden(slot))?;
-        Some(Cow::Borrowed(&self.base.shapes.entry(slot).shape))
+        Some(Cow::Borrowed(self.base.shapes.entry(slot).shape()))
     }
 
     /// The whole state at an instant. Costs what changed up to the base.
@@ -113,7 +113,7 @@ impl Span {
         });
         for slot in slots {
             if let Some(entry) = self.base.shapes.get(slot) {
-                state.remove(entry.shape.id, &mut Changes::unkept());
+                state.remove(entry.shape().id, &mut Changes::unkept());
             }
         }
         for track in self.tracks.iter().filter(|track| !matches!(track.origin, Origin::Still(_))) {
@@ -143,7 +143,7 @@ impl Span {
     /// All about the shape of a track but its placement.
     fn shape(&self, track: &Track) -> &Shape {
         match track.origin {
-            Origin::Base(slot) | Origin::Still(slot) => &self.base.shapes.entry(slot).shape,
+            Origin::Base(slot) | Origin::Still(slot) => self.base.shapes.entry(slot).shape(),
             Origin::Own(index) => &self.own[index as usize],
         }
     }

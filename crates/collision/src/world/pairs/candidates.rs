@@ -81,7 +81,7 @@ impl Snapshot {
         };
         meter.spend()?;
         let mut offer = |meter: &mut Meter<'m>, other: &Entry| {
-            if other.shape.id != id && is_pair(entry, other) && sieve.passes(&Side::of(other)) {
+            if other.shape().id != id && is_pair(entry, other) && sieve.passes(&Side::of(other)) {
                 visit(meter, Side::of(entry), Side::of(other))?;
             }
             Ok(())
@@ -118,5 +118,5 @@ impl Snapshot {
 }
 
 fn is_pair(a: &Entry, b: &Entry) -> bool {
-    a.bounds.intersects(b.bounds) && want_each_other(&a.shape, &b.shape)
+    a.bounds.intersects(b.bounds) && want_each_other(a.shape(), b.shape())
 }
