@@ -145,7 +145,7 @@ impl State {
             Edit::Move { id, position, rotation, velocity, angular_velocity, teleport } => {
                 let slot = self.ids.get(id).ok_or(id)?;
                 let motion = if teleport { Motion::Teleported } else { Motion::Travelled };
-                let shape = &mut self.shapes.entry_mut(slot).shape_mut();
+                let shape = self.shapes.entry_mut(slot).shape_mut();
                 let velocity = velocity.unwrap_or(shape.velocity);
                 let angular_velocity = angular_velocity.unwrap_or(shape.angular_velocity);
                 changes.moves(slot, shape, [velocity, angular_velocity], motion);
