@@ -111,7 +111,7 @@ fn pair(pair: &proto::PairAccount) -> String {
         line += &format!(", between {} and {}", side(interval.lower, "-∞"), side(interval.upper, "∞"));
     }
     let method = match certificate.method() {
-        Method::Unspecified => "passed by",
+        Method::Unspecified => "not measured",
         Method::Bounds => "from bounding volumes",
         Method::ClosedForm => "by a formula",
         Method::SeparatingAxes => "by separating axes",

@@ -222,7 +222,10 @@ fn touch(
     };
     let (a, b) = (subject.side.placed, other.side.placed);
     let found = narrow::impact(a, b, &motion, accuracy, &mut meter.work);
-    meter.note(|| Note::of([subject.side.id(), other.side.id()], found.map(|touch| touch.certificate)));
+    meter.note(|| {
+        let certificate = found.map(|touch| touch.certificate);
+        Note::of_motion((&subject.side, &other.side), (&motion, 1.0), certificate, accuracy)
+    });
     let mut touch = found?;
     raise(&mut touch.fraction, &mut touch.certificate, least);
     if touch.certificate.bound.lower >= 1.0 {

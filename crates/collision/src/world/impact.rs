@@ -114,20 +114,27 @@ impl TimeOfImpact {
         accuracy: &Accuracy,
         meter: &mut Meter<'_>,
     ) -> Option<Impact> {
+        let motion = self.motion();
+        let found = narrow::impact_of(subject.placed, other.operand(), &motion, limit, accuracy, &mut meter.work);
+        meter.note(|| {
+            let certificate = found.map(|touch| touch.certificate);
+            Note::of_motion((subject, other), (&motion, limit), certificate, accuracy)
+        });
+        let mut touch = found?;
+        raise(&mut touch.fraction, &mut touch.certificate, least);
+        let pierced = self.mode.pierces(other);
+        Some(Impact { id: other.id(), user_data: other.user_data(), pierced, touch })
+    }
+
+    fn motion(&self) -> Motion {
         let (displacement_b, rotation_b) = self.motion_of_others();
-        let motion = Motion {
+        Motion {
             displacement_a: self.displacement,
             displacement_b,
             rotation_a: self.rotation,
             rotation_b,
             initial: self.initial,
-        };
-        let found = narrow::impact_of(subject.placed, other.operand(), &motion, limit, accuracy, &mut meter.work);
-        meter.note(|| Note::of([subject.id(), other.id()], found.map(|touch| touch.certificate)));
-        let mut touch = found?;
-        raise(&mut touch.fraction, &mut touch.certificate, least);
-        let pierced = self.mode.pierces(other);
-        Some(Impact { id: other.id(), user_data: other.user_data(), pierced, touch })
+        }
     }
 
     /// Sensors block nothing: they are seen only by what also tells what blocks nothing.
@@ -165,7 +172,7 @@ impl Snapshot {
             let impact = match question.least(&subject, &other) {
                 Some(least) => question.ask((&subject, &other), [least, 1.0], accuracy, meter),
                 None => {
-                    meter.note(|| Note::of([subject.id(), other.id()], None));
+                    meter.note(|| Note::of_motion((&subject, &other), (&question.motion(), 1.0), None, accuracy));
                     None
                 }
             };

@@ -22,6 +22,7 @@ mod notes;
 mod outline;
 mod overlap;
 mod pairs;
+mod passing;
 mod penetration;
 mod question;
 mod raycast;

@@ -8,18 +8,12 @@
 //! # Limits
 //! Notes are in the order in which the trees offered shapes, which may differ with what was edited before; answers do not.
 
-use super::{ShapeId, search::Side};
+use super::{ShapeId, passing, search::Side};
 use crate::{
     accuracy::Accuracy,
-    answer::{Bound, Certificate, Verdict, Work},
-    math::{Norm, Pose},
-    narrow::{self, Placed, Ray},
-    shape::Geometry,
-    tolerance,
+    answer::{Certificate, Verdict, Work},
+    narrow::{Motion, Ray},
 };
-
-/// Farther apart, in metres, are no two forms within the limits of a world.
-const FARTHEST: f64 = 4e12;
 
 /// What a question did with one pair.
 #[derive(Clone, Debug)]
@@ -31,8 +25,8 @@ pub struct Note {
     /// What is proved of the two.
     pub verdict: Verdict,
     /// What the value is worth that was found: of contacts that of the deepest. Of two that are proved farther apart than was
-    /// asked, bounds of how far apart they are, metres (of a depth: below 0); of a ray that passes by, of how far from the shape. `None`
-    /// where there is no value: a motion that passes by, a pair that is refused.
+    /// asked, bounds of how far apart they are, metres (of a depth: below 0); of a ray or a motion that passes by, of how near to the
+    /// shape. `None` where there is no value: a pair that is refused.
     pub certificate: Option<Certificate>,
     /// What it took: nodes of the trees in the two geometries, pairs of their pieces, iterations.
     pub work: Work,
@@ -57,7 +51,7 @@ impl Note {
         if found.is_some() {
             return note;
         }
-        Self { certificate: apart(subject.placed, other, 0.0, accuracy), ..note }
+        Self { certificate: passing::apart(subject.placed, other.operand(), 0.0, accuracy), ..note }
     }
 
     /// The same of a ray: one that passes by is measured as far as it is beside the shape.
@@ -66,28 +60,22 @@ impl Note {
         if found.is_some() {
             return note;
         }
-        Self { certificate: passing(ray, other, accuracy), ..note }
+        Self { certificate: passing::of_ray(ray, other, accuracy), ..note }
     }
-}
 
-/// How far apart two are, one of which may be off by so much.
-fn apart(a: Placed<'_>, other: &Side<'_>, off: f64, accuracy: &Accuracy) -> Option<Certificate> {
-    let found = narrow::distance_of(a, other.operand(), FARTHEST, accuracy, &mut Work::default())?.certificate;
-    let bound = Bound { lower: (found.bound.lower - off).max(0.0), upper: found.bound.upper + off };
-    Some(Certificate { verdict: Verdict::Miss, bound, ..found })
-}
-
-/// How far from a shape a ray passes: its part beside the shape's box, which holds the point that is nearest, is measured as a flat form.
-fn passing(ray: &Ray, other: &Side<'_>, accuracy: &Accuracy) -> Option<Certificate> {
-    let direction = ray.direction.try_unit().filter(|_| ray.min_distance <= ray.max_distance)?;
-    let (min, max) = (other.bounds.min, other.bounds.max);
-    let beside = ((min * 0.5 + max * 0.5) - ray.origin).dot(direction);
-    let reach = ((max - min) * 0.5).dot(direction.abs());
-    let [begin, end] = [beside - reach, beside + reach].map(|at| at.clamp(ray.min_distance, ray.max_distance));
-    let (middle, half) = (ray.origin + direction * (begin * 0.5 + end * 0.5), direction * (end * 0.5 - begin * 0.5));
-    let part = Geometry::hull(&[half, -half]).ok()?;
-    let off = (ray.origin.abs().max_element() + begin.abs().max(end.abs())) * (2.0 * tolerance::SLAB_SLACK);
-    apart(Placed { geometry: &part, pose: Pose::at(middle) }, other, off, accuracy)
+    /// The same of a motion up to the time `until`: one that passes by is measured where it is nearest.
+    pub(super) fn of_motion(
+        (subject, other): (&Side<'_>, &Side<'_>),
+        (motion, until): (&Motion, f64),
+        found: Option<Certificate>,
+        accuracy: &Accuracy,
+    ) -> Self {
+        let note = Self::of([subject.id(), other.id()], found);
+        if found.is_some() {
+            return note;
+        }
+        Self { certificate: passing::of_motion(subject, other, (motion, until), accuracy), ..note }
+    }
 }
 
 /// Notes of a question, so many at most.

@@ -7,9 +7,9 @@ use collision::{
     accuracy::Accuracy,
     answer::{Verdict, Work},
     math::Pose,
-    narrow::Ray,
+    narrow::{self, InitialTouch, Placed, Ray},
     shape::Geometry,
-    world::{Filter, HitMode, Meter, Note, Notes, Raycast, Snapshot, Subject},
+    world::{Filter, HitMode, Meter, Note, Notes, Raycast, ShapeId, Snapshot, Subject, TimeOfImpact},
 };
 
 use crate::{
@@ -169,4 +169,88 @@ fn of_a_ray_that_passes_by_it_is_told_how_far() {
         }
     }
     assert!(passed > 300 && short > 5, "vacuous: {passed} passed by, {short} of them ended before");
+}
+
+/// What a motion against shape 1 notes of it, if it passes it by.
+fn passing(world: &Snapshot, question: &TimeOfImpact) -> Option<Note> {
+    let mut go_on = || true;
+    let mut notes = Notes::new(9);
+    let mut meter = Meter::new(&mut go_on).noting(&mut notes);
+    let found = world.time_of_impact(question, &Filter::default(), &Accuracy::default(), &mut meter).expect("found");
+    notes.list.pop().filter(|_| found.verdict == Verdict::Miss)
+}
+
+fn motion(subject: Subject, displacement: DVec3, rotation: DVec3) -> TimeOfImpact {
+    TimeOfImpact {
+        subject,
+        displacement,
+        rotation,
+        against: Some(Subject::Shape { id: ShapeId::new(1).expect("not 0"), pose: None }),
+        against_displacement: DVec3::ZERO,
+        against_rotation: DVec3::ZERO,
+        initial: InitialTouch::Counts,
+        mode: HitMode::Closest,
+    }
+}
+
+#[test]
+fn of_a_motion_that_passes_by_it_is_told_how_near_it_comes() {
+    let mut random = Random::new(37);
+    let mut passed = 0;
+    for scale in [1e-3, 1.0, 1e5] {
+        for _ in 0..700 {
+            let (middle, radii) = (random.vector() * 3.0 * scale, [0.2 + random.unit(), 0.2 + random.unit()]);
+            let [ball, moving] = radii.map(|radius| Arc::new(Geometry::sphere(radius * scale).expect("a ball")));
+            let world = world_of([shape(1, ball, Pose::at(middle))]).newest();
+            let (begin, way) = (random.vector() * 6.0 * scale, random.vector() * 8.0 * scale);
+            let against_displacement = random.vector() * 3.0 * scale;
+            let subject = Subject::Geometry { geometry: moving, pose: Pose::at(begin) };
+            let question = TimeOfImpact { against_displacement, ..motion(subject, way, DVec3::ZERO) };
+            let Some(note) = passing(&world, &question) else { continue };
+            let bound = note.certificate.expect("it is measured").bound;
+            let (apart, relative) = (begin - middle, way - against_displacement);
+            let time = (-apart.dot(relative) / relative.length_squared()).clamp(0.0, 1.0);
+            let expected = (apart + relative * time).length() - (radii[0] + radii[1]) * scale;
+            let slack = 1e-13 * scale;
+            assert!(
+                bound.lower <= expected + slack && expected <= bound.upper + slack,
+                "{question:?}: {expected}, {bound:?}"
+            );
+            assert!(bound.width() <= 0.05 * expected + 0.03 * scale, "{question:?}: {expected}, {bound:?}");
+            passed += 1;
+        }
+    }
+    assert!(passed > 700, "vacuous: {passed}");
+}
+
+#[test]
+fn of_a_turning_motion_that_passes_by_it_is_told_how_near_it_comes() {
+    let mut random = Random::new(41);
+    let mut passed = 0;
+    let cuboid = |random: &mut Random| {
+        Arc::new(
+            Geometry::cuboid(DVec3::new(0.1 + random.unit(), 0.1 + random.unit(), 0.1 + random.unit())).expect("a box"),
+        )
+    };
+    for _ in 0..150 {
+        let [fixed, moving] = [cuboid(&mut random), cuboid(&mut random)];
+        let world = world_of([shape(1, Arc::clone(&fixed), Pose::IDENTITY)]).newest();
+        let (begin, way, turn) = (random.vector() * 5.0, random.vector() * 6.0, random.vector() * 4.0);
+        let subject = Subject::Geometry { geometry: Arc::clone(&moving), pose: Pose::at(begin) };
+        let Some(note) = passing(&world, &motion(subject, way, turn)) else { continue };
+        let bound = note.certificate.expect("it is measured").bound;
+        let end = |time: f64| Pose::new(begin + way * time, collision::DQuat::from_scaled_axis(turn * time));
+        let sampled = (0..=400).map(|at| {
+            let a = Placed { geometry: &moving, pose: end(f64::from(at) / 400.0) };
+            let b = Placed { geometry: &fixed, pose: Pose::IDENTITY };
+            let found = narrow::distance(a, b, 4e12, &Accuracy::default(), &mut Work::default());
+            found.expect("they are some way apart").certificate.bound.upper
+        });
+        let nearest = sampled.fold(f64::INFINITY, f64::min);
+        // Samples are a hundredth of a metre apart at most, and so is what they miss.
+        assert!(bound.lower <= nearest && bound.upper >= nearest - 0.05, "{nearest}, {bound:?}");
+        assert!(bound.width() <= 0.05 * nearest + 0.1, "{nearest}, {bound:?}");
+        passed += 1;
+    }
+    assert!(passed > 50, "vacuous: {passed}");
 }
