@@ -47,20 +47,13 @@ impl Note {
         found: Option<Certificate>,
         accuracy: &Accuracy,
     ) -> Self {
-        let note = Self::of([subject.id(), other.id()], found);
-        if found.is_some() {
-            return note;
-        }
-        Self { certificate: passing::apart(subject.placed, other.operand(), 0.0, accuracy), ..note }
+        let apart = || passing::apart(subject.placed, other.operand(), 0.0, accuracy);
+        Self::of_or([subject.id(), other.id()], found, apart)
     }
 
     /// The same of a ray: one that passes by is measured as far as it is beside the shape.
     pub(super) fn of_ray(ray: &Ray, other: &Side<'_>, found: Option<Certificate>, accuracy: &Accuracy) -> Self {
-        let note = Self::of([None, other.id()], found);
-        if found.is_some() {
-            return note;
-        }
-        Self { certificate: passing::of_ray(ray, other, accuracy), ..note }
+        Self::of_or([None, other.id()], found, || passing::of_ray(ray, other, accuracy))
     }
 
     /// The same of a motion up to the time `until`: one that passes by is measured where it is nearest.
@@ -70,11 +63,18 @@ impl Note {
         found: Option<Certificate>,
         accuracy: &Accuracy,
     ) -> Self {
-        let note = Self::of([subject.id(), other.id()], found);
-        if found.is_some() {
-            return note;
-        }
-        Self { certificate: passing::of_motion(subject, other, (motion, until), accuracy), ..note }
+        let passing = || passing::of_motion(subject, other, (motion, until), accuracy);
+        Self::of_or([subject.id(), other.id()], found, passing)
+    }
+
+    /// The same where a pair without a value is measured.
+    fn of_or(
+        sides: [Option<ShapeId>; 2],
+        found: Option<Certificate>,
+        measured: impl FnOnce() -> Option<Certificate>,
+    ) -> Self {
+        let note = Self::of(sides, found);
+        if found.is_some() { note } else { Self { certificate: measured(), ..note } }
     }
 }
 
