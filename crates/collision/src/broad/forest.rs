@@ -143,22 +143,16 @@ impl<N> Forest<N> {
 
     /// Gives every box a home, in a forest that is empty: the enormous ones in its list, the others in cells, whose items are
     /// returned. If one cell is enough, its origin is the middle of all.
-    /// The boxes are gone through several times, rather than kept: of a large mesh they are more than its tree.
+    /// The boxes are gone through twice, rather than kept: of a large mesh they are more than its tree.
     pub(super) fn distribute(&mut self, boxes: impl ExactSizeIterator<Item = Large> + Clone) -> Vec<Vec<Item>> {
+        let centers = boxes.clone().filter(|large| !is_large(large.bounds)).map(|large| large.bounds.center());
+        let centers = centers.map(|center| Aabb::new(center, center)).reduce(Aabb::union);
         self.cells.clear();
-        let spans = boxes.clone().map(|large| (large.center(), large.bounds));
-        let spans = spans.reduce(|(centers, whole), (center, bounds)| (centers.union(center), whole.union(bounds)));
-        // Boxes that together are as small as one must be lie within the reach of one cell.
-        if let Some((centers, _)) = spans.filter(|&(_, whole)| !is_large(whole)) {
-            let cell = Cell { leaf_count: boxes.len() as u32, ..Cell::new(centers.center()) };
-            self.cells.push(cell);
-            return vec![boxes.map(|large| large.item(&cell)).collect()];
-        }
-        let centers = boxes.clone().filter(|large| !is_large(large.bounds)).map(Large::center);
-        let Some(centers) = centers.reduce(Aabb::union) else { return self.assign(boxes) };
-        self.cells.push(Cell { leaf_count: 1, ..Cell::new(centers.center()) });
+        self.cells.extend(centers.map(|centers| Cell { leaf_count: 1, ..Cell::new(centers.center()) }));
         let items = self.assign(boxes);
-        self.cells[0].leaf_count -= 1;
+        if let Some(first) = self.cells.first_mut() {
+            first.leaf_count -= 1;
+        }
         items
     }
 
@@ -170,13 +164,14 @@ impl<N> Forest<N> {
             match self.settle_in(large.bounds) {
                 Home::Large => self.large.push(large),
                 Home::Cell(cell) => {
-                    let cell = cell as usize;
+                    let (cell, Large { leaf, bounds, layers }) = (cell as usize, large);
                     if items.len() <= cell {
                         items.resize_with(cell + 1, Vec::new);
                         // Mostly all that is left goes into one cell.
                         items[cell].reserve(count - at);
                     }
-                    items[cell].push(large.item(&self.cells[cell]));
+                    let bounds = LocalBox::around(bounds, self.cells[cell].origin);
+                    items[cell].push(Item { bounds, leaf, layers });
                 }
             }
         }
@@ -200,19 +195,6 @@ impl<N: Nodes> Forest<N> {
 
 fn is_large(bounds: Aabb) -> bool {
     (bounds.max - bounds.min).max_element() >= LARGE_EXTENT
-}
-
-impl Large {
-    /// Its middle, as a box.
-    fn center(self) -> Aabb {
-        let center = self.bounds.center();
-        Aabb::new(center, center)
-    }
-
-    /// As an item of a cell.
-    fn item(self, cell: &Cell) -> Item {
-        Item { bounds: LocalBox::around(self.bounds, cell.origin), leaf: self.leaf, layers: self.layers }
-    }
 }
 
 impl Cell {

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::math::Pose;
+
 /// How two geometries move over the time from 0 to 1: each from its pose in a straight line, and turning about its local
 /// origin at a constant speed. At the time `t` a form that is turned by `q` at the start is turned by `exp(t·rotation) q`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,6 +25,17 @@ impl Motion {
     #[must_use]
     pub fn turns(&self) -> bool {
         self.rotation_a != DVec3::ZERO || self.rotation_b != DVec3::ZERO
+    }
+
+    /// Where two that are in these poses at the start are at a time, seen from where `b` begins and with it, so that what is far from
+    /// the origin loses nothing.
+    pub(crate) fn poses_at(&self, [a, b]: [Pose; 2], time: f64) -> [Pose; 2] {
+        let way = self.displacement_a - self.displacement_b;
+        let position = a.position - b.position + way * time;
+        [
+            Pose::new(position, a.rotation_after(self.rotation_a, time)),
+            Pose::new(DVec3::ZERO, b.rotation_after(self.rotation_b, time)),
+        ]
     }
 
     /// The beginning of the motion, up to a part of it, as a whole one.

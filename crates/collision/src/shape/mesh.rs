@@ -201,7 +201,6 @@ impl Mesh {
 
     /// The box of a kept triangle, exact.
     #[must_use]
-    #[inline]
     pub fn triangle_bounds(&self, index: usize) -> Aabb {
         let [a, b, c] = self.corners(index);
         Aabb::new(a.min(b).min(c), a.max(b).max(c))

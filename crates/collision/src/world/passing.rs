@@ -65,7 +65,6 @@ pub(super) fn of_motion(
     accuracy: &Accuracy,
 ) -> Option<Certificate> {
     let (a, b) = (subject.placed, other.placed);
-    // Seen from where `b` begins and with it, so that what is far from the origin loses nothing.
     let (begin, way) = (a.pose.position - b.pose.position, motion.displacement_a - motion.displacement_b);
     let turns = [(a, motion.rotation_a), (b, motion.rotation_b)].map(|(placed, turn)| (placed.geometry.reach(), turn));
     let turns = turns.iter().filter(|(_, turn)| *turn != DVec3::ZERO).map(|(reach, turn)| (*reach, turn.norm()));
@@ -74,9 +73,8 @@ pub(super) fn of_motion(
     let turned: f64 = turns.map(|(reach, angle)| reach * (1.0 + angle)).sum();
     let off = tolerance::RELATIVE_POSE * (begin.norm() + way.norm() + turned);
     let look = |time: f64| {
-        let at = |placed: Placed<'_>, turn, position| Pose::new(position, placed.pose.rotation_after(turn, time));
-        let a = Placed { pose: at(a, motion.rotation_a, begin + way * time), ..a };
-        let b = Placed { pose: at(b, motion.rotation_b, DVec3::ZERO), ..b };
+        let [pose_a, pose_b] = motion.poses_at([a.pose, b.pose], time);
+        let (a, b) = (Placed { pose: pose_a, ..a }, Placed { pose: pose_b, ..b });
         let certificate = apart(a, Operand { placed: b, ..other.operand() }, off, accuracy)?;
         Some(Look { time, certificate })
     };

@@ -10,7 +10,6 @@ use super::{Ordered, Side, overlap::overlap_of};
 use crate::{
     accuracy::Accuracy,
     answer::{Verdict, Work},
-    math::Pose,
     narrow::{Motion, Placed, place::Place},
     shape::{Form, Geometry, MeshMode},
     tolerance::RELATIVE_POSE,
@@ -18,16 +17,13 @@ use crate::{
 
 /// Both forms at a time of a motion.
 pub(super) fn at_instant<'a>(a: Placed<'a>, b: Placed<'a>, motion: &Motion, time: f64) -> [Side<'a>; 2] {
-    // Seen from where `b` begins and with it, so that what is far from the origin loses nothing.
     let (apart, way) = (a.pose.position - b.pose.position, motion.displacement_a - motion.displacement_b);
     let reach = a.geometry.reach() + b.geometry.reach();
     let angle = motion.rotation_a.length() + motion.rotation_b.length();
     let blur = RELATIVE_POSE * (apart.length() + way.length() + reach) * (1.0 + angle);
-    let at = |placed: Placed<'a>, position: DVec3, turn: DVec3| {
-        let pose = Pose::new(position, placed.pose.rotation_after(turn, time));
-        Side::of(placed.geometry, Place { pose, blur, arm: DVec3::ZERO }, None)
-    };
-    [at(a, apart + way * time, motion.rotation_a), at(b, DVec3::ZERO, motion.rotation_b)]
+    let at = |placed: Placed<'a>, pose| Side::of(placed.geometry, Place { pose, blur, arm: DVec3::ZERO }, None);
+    let [pose_a, pose_b] = motion.poses_at([a.pose, b.pose], time);
+    [at(a, pose_a), at(b, pose_b)]
 }
 
 /// Whether two forms, of which one is concave, surely touch at a time of a motion.
