@@ -21,8 +21,8 @@ mod links;
 mod tend;
 
 use super::{
-    build::Item,
     forest::{Forest, Large, Rooted},
+    item::Item,
     levels::{NodeBox, node_boxes},
     local::LocalBox,
     node::{LANES, NO_NODE, Node, Target},
@@ -197,7 +197,7 @@ impl DynamicTree {
         }
         let layers = node.layers[lane_of_node];
         self.unlink(lane);
-        self.link(cell, Item { bounds: local, leaf, layers });
+        self.link(cell, Item::new(local, leaf, layers));
         self.changed_count += 1;
         Refit::Reinserted
     }

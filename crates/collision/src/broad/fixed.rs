@@ -15,6 +15,7 @@
 use super::{
     build::{Built, build},
     forest::{Forest, Large, Rooted},
+    item::Item,
     levels::{NodeBox, node_boxes},
     node::Node,
     traverse::ALL_LAYERS,
@@ -39,17 +40,36 @@ impl StaticTree {
         Self::build_on_layers(boxes.iter().map(|bounds| (*bounds, ALL_LAYERS)))
     }
 
-    /// As [`StaticTree::build`], with the layers of each box. Holds 48 bytes a box beside the nodes meanwhile, and goes through the
+    /// As [`StaticTree::build`], with the layers of each box. Holds 32 bytes a box beside the nodes meanwhile, and goes through the
     /// boxes twice.
     ///
     /// # Panics
     /// If there are 2²⁸ boxes or more.
     #[must_use]
     pub fn build_on_layers(boxes: impl ExactSizeIterator<Item = (Aabb, u32)> + Clone) -> Self {
-        assert!(boxes.len() < 1 << 28, "fewer than 2^28 boxes");
-        let mut tree = Self { len: boxes.len(), ..Self::default() };
-        let boxes = boxes.enumerate().map(|(leaf, (bounds, layers))| Large { leaf: leaf as u32, bounds, layers });
-        for (cell, mut items) in tree.forest.distribute(boxes).into_iter().enumerate() {
+        let mut forest = Forest::default();
+        let items = forest.distribute(boxes.enumerate().map(numbered));
+        Self::of_items(forest, items)
+    }
+
+    /// As [`StaticTree::build`], of boxes that lie within `bounds`. Holds 32 bytes a box beside the nodes meanwhile, and goes through
+    /// the boxes once, unless `bounds` is enormous.
+    ///
+    /// # Panics
+    /// If there are 2²⁸ boxes or more.
+    #[must_use]
+    pub fn build_within(bounds: Aabb, boxes: impl ExactSizeIterator<Item = Aabb> + Clone) -> Self {
+        let mut forest = Forest::default();
+        let items =
+            forest.distribute_within(bounds, boxes.map(|bounds| (bounds, ALL_LAYERS)).enumerate().map(numbered));
+        Self::of_items(forest, items)
+    }
+
+    /// A tree over the items of each cell of a forest that has no nodes yet.
+    fn of_items(forest: Forest<Vec<Node>>, items: Vec<Vec<Item>>) -> Self {
+        let len = items.iter().map(Vec::len).sum::<usize>() + forest.large.len();
+        let mut tree = Self { forest, len, depth: 0 };
+        for (cell, mut items) in items.into_iter().enumerate() {
             if !items.is_empty() {
                 let built = build(&mut items);
                 drop(items);
@@ -114,6 +134,16 @@ impl StaticTree {
         let nodes = self.forest.nodes.capacity() * size_of::<Node>();
         size_of::<Self>() as u64 + nodes as u64 + self.forest.list_bytes()
     }
+}
+
+/// A leaf for a box of a slice.
+///
+/// # Panics
+/// If its index is 2²⁸ or more.
+#[inline]
+fn numbered((index, (bounds, layers)): (usize, (Aabb, u32))) -> Large {
+    assert!(index < 1 << 28, "fewer than 2^28 boxes");
+    Large { leaf: index as u32, bounds, layers }
 }
 
 impl Rooted for StaticTree {

@@ -13,7 +13,7 @@
 use glam::DVec3;
 
 use super::{
-    build::Item,
+    item::Item,
     local::LocalBox,
     node::{NO_NODE, Node},
 };
@@ -156,6 +156,22 @@ impl<N> Forest<N> {
         items
     }
 
+    /// As [`Forest::distribute`], of boxes that lie within a box, which are gone through once where that is not enormous.
+    pub(super) fn distribute_within(
+        &mut self,
+        bounds: Aabb,
+        boxes: impl ExactSizeIterator<Item = Large> + Clone,
+    ) -> Vec<Vec<Item>> {
+        if is_large(bounds) {
+            return self.distribute(boxes);
+        }
+        let origin = bounds.center();
+        self.cells.clear();
+        self.cells.push(Cell { leaf_count: boxes.len() as u32, ..Cell::new(origin) });
+        let item = |large: Large| Item::new(LocalBox::around(large.bounds, origin), large.leaf, large.layers);
+        vec![boxes.map(item).collect()]
+    }
+
     /// Gives every box a home and returns the items of each cell.
     pub(super) fn assign(&mut self, boxes: impl ExactSizeIterator<Item = Large>) -> Vec<Vec<Item>> {
         let mut items: Vec<Vec<Item>> = Vec::new();
@@ -171,7 +187,7 @@ impl<N> Forest<N> {
                         items[cell].reserve(count - at);
                     }
                     let bounds = LocalBox::around(bounds, self.cells[cell].origin);
-                    items[cell].push(Item { bounds, leaf, layers });
+                    items[cell].push(Item::new(bounds, leaf, layers));
                 }
             }
         }

@@ -5,9 +5,11 @@
 //! answers depend on neither the tree nor the order in which it was built.
 
 mod build;
+mod cut;
 mod dynamic;
 mod fixed;
 mod forest;
+mod item;
 mod levels;
 mod local;
 mod node;

@@ -7,6 +7,7 @@ use crate::{
     math::{
         Aabb, Pose,
         directed::{add_down, add_up},
+        larger,
     },
     tolerance::{LENGTH_WIDENING, ROTATED_COORDINATE},
 };
@@ -175,9 +176,15 @@ fn absolute(turn: &DMat3) -> DMat3 {
     DMat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs())
 }
 
-/// The largest distance of a point from the local origin, rounded up.
+/// The largest distance of a point from the local origin, rounded up. The largest coordinate is taken out first, so that no square of
+/// a point that may be the farthest vanishes.
 pub(super) fn farthest(points: &[DVec3]) -> f64 {
-    points.iter().map(|point| length_up(*point)).fold(0.0, f64::max)
+    let largest = points.iter().fold(DVec3::ZERO, |largest, point| largest.max(point.abs())).max_element();
+    if largest == 0.0 {
+        return 0.0;
+    }
+    let squares = points.iter().map(|&point| (point / largest).length_squared());
+    largest * squares.fold(0.0, larger).sqrt() * LENGTH_WIDENING
 }
 
 /// The box of points; exact.
@@ -208,11 +215,7 @@ fn sum(a: Aabb, b: Aabb) -> Aabb {
     Aabb::new(DVec3::from_array([0, 1, 2].map(lower)), DVec3::from_array([0, 1, 2].map(upper)))
 }
 
-/// The length of a vector, rounded up. The largest component is taken out first, so that no square vanishes.
+/// The length of a vector, rounded up.
 pub(super) fn length_up(vector: DVec3) -> f64 {
-    let largest = vector.abs().max_element();
-    if largest == 0.0 {
-        return 0.0;
-    }
-    largest * (vector / largest).length() * LENGTH_WIDENING
+    farthest(&[vector])
 }

@@ -207,13 +207,16 @@ impl Geometry {
         let most = 3 * Limits::MESH_TRIANGLES;
         check_count("vertices", vertices.len(), most, "a mesh needs at least 3 vertices")?;
         check_coordinates("vertices", vertices)?;
-        for (position, &index) in indices.as_flattened().iter().enumerate() {
-            if index as usize >= vertices.len() {
-                return Err(GeometryError::Bad {
-                    field: format!("indices[{position}]"),
-                    reason: format!("is {index}: there are {} vertices, so it must be below that", vertices.len()),
-                });
-            }
+        let is_beyond = |&index: &u32| index as usize >= vertices.len();
+        if let Some(position) = indices.as_flattened().iter().position(is_beyond) {
+            return Err(GeometryError::Bad {
+                field: format!("indices[{position}]"),
+                reason: format!(
+                    "is {}: there are {} vertices, so it must be below that",
+                    indices.as_flattened()[position],
+                    vertices.len()
+                ),
+            });
         }
         Self::of_mesh(Mesh::new(vertices, indices, mode), "indices", |triangle, k| indices[triangle as usize][k])
     }

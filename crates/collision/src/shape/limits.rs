@@ -130,6 +130,10 @@ pub(super) fn check_count(field: &str, found: usize, most: usize, hint: &str) ->
 }
 
 pub(super) fn check_coordinates(field: &str, points: &[DVec3]) -> Result<(), GeometryError> {
+    let most = DVec3::splat(Limits::COORDINATE);
+    if points.iter().all(|point| point.abs().cmple(most).all()) {
+        return Ok(());
+    }
     for (index, point) in points.iter().enumerate() {
         for (axis, value) in point.to_array().into_iter().enumerate() {
             let name = || format!("{field}[{index}].{}", AXES[axis]);

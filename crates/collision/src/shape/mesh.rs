@@ -17,7 +17,7 @@ use super::{
     parts::{MadeParts, MeshParts},
 };
 use crate::{
-    broad::{ALL_LAYERS, StaticTree},
+    broad::StaticTree,
     math::{Aabb, Ball, expansion::ExactVector},
 };
 
@@ -100,8 +100,8 @@ impl Mesh {
             ladder: Ladder::default(),
         };
         for (triangle, &number) in triangles.iter().zip(numbers) {
-            let corners = triangle.map(|vertex| vertices[vertex as usize]);
-            if !has_area(corners) {
+            let [a, b, c] = *triangle;
+            if !has_area(vertices[a as usize], vertices[b as usize], vertices[c as usize]) {
                 continue;
             }
             let kept = triangle.map(|vertex| {
@@ -227,8 +227,7 @@ impl Mesh {
     #[must_use]
     pub fn tree(&self) -> &StaticTree {
         self.tree.get_or_build(|| {
-            let boxes = (0..self.triangles.len()).map(|index| (self.triangle_bounds(index), ALL_LAYERS));
-            StaticTree::build_on_layers(boxes)
+            StaticTree::build_within(self.bounds, (0..self.triangles.len()).map(|index| self.triangle_bounds(index)))
         })
     }
 
@@ -299,7 +298,7 @@ impl Mesh {
 }
 
 /// Whether a triangle has an area that is not exactly 0.
-fn has_area([a, b, c]: [DVec3; 3]) -> bool {
+fn has_area(a: DVec3, b: DVec3, c: DVec3) -> bool {
     let (along, across) = (b - a, c - a);
     let area = along.cross(across);
     let largest = along.abs().max_element() * across.abs().max_element();

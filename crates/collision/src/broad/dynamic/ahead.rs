@@ -12,7 +12,7 @@ use smallvec::SmallVec;
 
 use super::{DynamicTree, Place, links::ROOT};
 use crate::broad::{
-    build::Item,
+    item::Item,
     node::{LANES, Target},
     wide::Wide,
 };
@@ -61,7 +61,7 @@ impl DynamicTree {
             return;
         }
         let mut ways: SmallVec<[(u32, [Wide; 6]); TOGETHER]> =
-            leaves.iter().map(|item| (root, item.bounds.splat())).collect();
+            leaves.iter().map(|item| (root, item.bounds().splat())).collect();
         while !black_box(&mut ways).is_empty() {
             ways.retain(|(index, planes)| {
                 let node = &self.forest.nodes[*index as usize];

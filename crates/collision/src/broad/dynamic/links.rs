@@ -11,7 +11,8 @@ use smallvec::SmallVec;
 
 use super::{DynamicTree, Place};
 use crate::broad::{
-    build::{Item, build},
+    build::build,
+    item::Item,
     local::LocalBox,
     node::{Child, LANES, NO_NODE, Node, Target},
 };
@@ -40,11 +41,11 @@ fn depth_max(leaf_count: usize) -> u32 {
 impl DynamicTree {
     /// Puts a leaf into the tree of a cell, where it is counted already.
     pub(super) fn link(&mut self, cell: u16, item: Item) {
-        let leaf = Child::leaf(item.leaf);
+        let leaf = Child::leaf(item.leaf());
         let root = self.forest.cells[usize::from(cell)].root;
         if root == NO_NODE {
             let root = self.allocate(ROOT | u32::from(cell));
-            self.forest.nodes[root as usize].set(0, item.bounds, leaf, item.layers);
+            self.forest.nodes[root as usize].set(0, item.bounds(), leaf, item.layers());
             self.forest.set_root(cell.into(), root);
             self.note(cell, leaf, lane_number(root, 0));
             return;
@@ -52,7 +53,7 @@ impl DynamicTree {
         let (spot, level) = self.best_spot(root, item);
         let (spot_lane, lane, level) = match spot {
             Spot::Free(lane) => {
-                self.forest.nodes[lane as usize / LANES].set(lane as usize % LANES, item.bounds, leaf, item.layers);
+                self.forest.nodes[lane as usize / LANES].set(lane as usize % LANES, item.bounds(), leaf, item.layers());
                 self.note(cell, leaf, lane);
                 (lane, lane, level)
             }
@@ -61,10 +62,10 @@ impl DynamicTree {
                 let above = &mut self.forest.nodes[lane as usize / LANES];
                 let at = lane as usize % LANES;
                 let (bounds, child, layers) = (above.lane(at), above.children[at], above.layers[at]);
-                above.set(at, bounds.union(item.bounds), Child::node(node), layers | item.layers);
+                above.set(at, bounds.union(item.bounds()), Child::node(node), layers | item.layers());
                 let mut pair = Node::EMPTY;
                 pair.set(0, bounds, child, layers);
-                pair.set(1, item.bounds, leaf, item.layers);
+                pair.set(1, item.bounds(), leaf, item.layers());
                 self.forest.nodes[node as usize] = pair;
                 self.note(cell, child, lane_number(node, 0));
                 self.note(cell, leaf, lane_number(node, 1));
@@ -192,7 +193,7 @@ impl DynamicTree {
                 match node.children[lane].target() {
                     Target::Node(below) => open.push(below),
                     Target::Leaf(leaf) => {
-                        items.push(Item { bounds: node.lane(lane), leaf, layers: node.layers[lane] });
+                        items.push(Item::new(node.lane(lane), leaf, node.layers[lane]));
                     }
                     Target::Nothing => {}
                 }
@@ -252,7 +253,7 @@ impl DynamicTree {
 
     /// Where a leaf costs least, and the level of the node with that lane, the root's being 1.
     fn best_spot(&self, root: u32, item: Item) -> (Spot, u32) {
-        let planes = item.bounds.splat();
+        let planes = item.bounds().splat();
         let (mut index, mut level, mut growth_above) = (root, 1, 0.0);
         // Areas are finite: the first node on the way has a free lane, a leaf, or nodes to descend into.
         let mut best = (f32::INFINITY, Spot::Beside(lane_number(root, 0)), level);
@@ -283,12 +284,12 @@ impl DynamicTree {
         while parent < ROOT {
             let (above, lane) = (&self.forest.nodes[parent as usize / LANES], parent as usize % LANES);
             let (bounds, layers) = (above.lane(lane), above.layers[lane]);
-            if bounds.contains(item.bounds) && layers | item.layers == layers {
+            if bounds.contains(item.bounds()) && layers | item.layers() == layers {
                 return;
             }
             let above = &mut self.forest.nodes[parent as usize / LANES];
-            above.set_box(lane, bounds.union(item.bounds));
-            above.layers[lane] |= item.layers;
+            above.set_box(lane, bounds.union(item.bounds()));
+            above.layers[lane] |= item.layers();
             index = parent / LANES as u32;
             parent = self.parents[index as usize];
         }
