@@ -112,7 +112,13 @@ impl Raycast {
         meter: &mut Meter<'_>,
         gathered: &mut Gathered<RayHit>,
     ) {
-        let touches = narrow::raycast_of(aim, other.operand(), accuracy, &mut meter.work);
+        let touches = narrow::raycast_of(
+            aim,
+            (other.placed.geometry, &other.placed.pose),
+            other.simple,
+            accuracy,
+            &mut meter.work,
+        );
         meter.note(|| {
             let first = touches.certain.or(touches.undecided);
             Note::of_ray(&self.ray, other, first.map(|touch| touch.certificate), accuracy)

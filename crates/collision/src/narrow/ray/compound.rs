@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 
 use super::{
     Aim, Ray, RayTouch, RayTouches,
-    frame::{LocalRay, Target},
+    frame::{LocalRay, Spot, Target},
     height_field, mesh, touches as touches_of_convex,
 };
 use crate::{
@@ -69,17 +69,18 @@ impl Cast<'_> {
         let Ok(()) = compound.tree().visit_ray(&Line::new(&stretch.path), length, ALL_LAYERS, work, |work, leaf| {
             let part = &compound.parts()[leaf as usize];
             let place = place.of_part(&part.pose, part.geometry.reach());
+            let spot = Spot { pose: &place.pose, blur: place.blur };
             let number = first_leaf + compound.first_leaf(leaf as usize);
             match part.geometry.form() {
                 Form::Compound(inner) => self.search((inner, &part.geometry), &place, number, found, work),
                 Form::HeightField(field) => {
-                    found.offer(height_field::touches(&self.aim, (field, &part.geometry), &place, work), number);
+                    found.offer(height_field::touches(&self.aim, (field, &part.geometry), spot, work), number);
                 }
                 Form::Mesh(mesh) => {
-                    found.offer(mesh::touches(&self.aim, (mesh.as_ref(), &part.geometry), &place, work), number);
+                    found.offer(mesh::touches(&self.aim, (mesh.as_ref(), &part.geometry), spot, work), number);
                 }
                 Form::Convex(convex) => {
-                    let touches = touches_of_convex(&self.aim, (convex, &part.geometry), &place, self.accuracy, work);
+                    let touches = touches_of_convex(&self.aim, (convex, &part.geometry), spot, self.accuracy, work);
                     found.offer(touches, number);
                 }
                 Form::HalfSpace(_) => unreachable!("a compound has no half space for a part"),

@@ -16,6 +16,15 @@ use crate::{
     tolerance,
 };
 
+/// Where a form is that may be part of another.
+#[derive(Clone, Copy)]
+pub(super) struct Spot<'a> {
+    /// As well as it is known.
+    pub pose: &'a Pose,
+    /// No point of the form is farther than this from where the pose puts it, metres.
+    pub blur: f64,
+}
+
 /// Where the target lies in its own frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
@@ -219,8 +228,8 @@ impl LocalRay {
     /// that towards where the ray comes from.
     pub(super) fn normal_to_world(&self, normal: DVec3) -> DVec3 {
         let unit = normal.try_unit().unwrap_or(-self.direction);
-        let turned = self.axes.map_or(unit, |axes| axes * unit);
-        turned.try_unit().unwrap_or(unit) + DVec3::ZERO
+        let turned = |axes: DMat3| (axes * unit).try_unit().unwrap_or(unit);
+        self.axes.map_or(unit, turned) + DVec3::ZERO
     }
 }
 

@@ -7,12 +7,11 @@
 use super::{
     Aim, Faces, RayTouch, RayTouches,
     crossing::certificate,
-    frame::{LocalRay, Target},
+    frame::{LocalRay, Spot, Target},
     mesh,
 };
 use crate::{
     answer::{Bound, Feature, Verdict, Work},
-    narrow::place::Place,
     shape::{Geometry, HeightField, Standing},
 };
 
@@ -20,14 +19,14 @@ use crate::{
 pub(super) fn touches(
     aim: &Aim<'_>,
     (field, geometry): (&HeightField, &Geometry),
-    place: &Place,
+    spot: Spot<'_>,
     work: &mut Work,
 ) -> RayTouches {
     if aim.ray.hollow || aim.ray.faces != Faces::Both {
-        return mesh::touches(aim, (field, geometry), place, work);
+        return mesh::touches(aim, (field, geometry), spot, work);
     }
-    let center = Target::about_center(geometry, place.blur);
-    let local = LocalRay::new(aim, &place.pose, center);
+    let center = Target::about_center(geometry, spot.blur);
+    let local = LocalRay::new(aim, spot.pose, center);
     if local.passes_ball(center.radius) {
         return RayTouches::default();
     }
@@ -35,7 +34,7 @@ pub(super) fn touches(
     let begin = local.point_at(local.first);
     let inside = |verdict: Verdict| RayTouch {
         distance: local.first + 0.0,
-        point: local.to_world(&place.pose, begin),
+        point: local.to_world(spot.pose, begin),
         normal: None,
         inside: true,
         feature: Feature::default(),
@@ -44,9 +43,9 @@ pub(super) fn touches(
     };
     match field.standing(begin, 2.0 * local.error) {
         Standing::Inside(_) => RayTouches { certain: Some(inside(Verdict::Hit)), undecided: None },
-        Standing::Outside => mesh::touches(aim, (field, geometry), place, work),
+        Standing::Outside => mesh::touches(aim, (field, geometry), spot, work),
         Standing::Open(_) => {
-            let skin = mesh::touches(aim, (field, geometry), place, work);
+            let skin = mesh::touches(aim, (field, geometry), spot, work);
             let mut open = inside(Verdict::Undecided);
             if let Some(other) = skin.undecided {
                 open.certificate.bound.upper = other.certificate.bound.upper;

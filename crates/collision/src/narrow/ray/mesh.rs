@@ -14,7 +14,7 @@ use smallvec::SmallVec;
 use super::{
     Aim, Faces, RayTouch, RayTouches,
     crossing::certificate,
-    frame::{LocalRay, Stretch, Target},
+    frame::{LocalRay, Spot, Stretch, Target},
     surface::Surface,
     triangle::{Meeting, Sight, Sign, View, normal},
 };
@@ -22,7 +22,6 @@ use crate::{
     answer::{Bound, Feature, Verdict, Work},
     broad::Tree,
     math::Pose,
-    narrow::place::Place,
     shape::Geometry,
 };
 
@@ -42,11 +41,11 @@ struct Candidate {
 pub(super) fn touches<S: Surface>(
     aim: &Aim<'_>,
     (mesh, geometry): (&S, &Geometry),
-    place: &Place,
+    spot: Spot<'_>,
     work: &mut Work,
 ) -> RayTouches {
-    let center = Target::within(mesh.ball(), geometry.reach(), place.blur);
-    let local = LocalRay::new(aim, &place.pose, center);
+    let center = Target::within(mesh.ball(), geometry.reach(), spot.blur);
+    let local = LocalRay::new(aim, spot.pose, center);
     let Some(Stretch { path, length, before }) = local.stretch(center.radius) else {
         return RayTouches::default();
     };
@@ -57,53 +56,12 @@ pub(super) fn touches<S: Surface>(
         work.pairs_tested += 1;
         work.iterations += 1;
         if !sieve.passes(mesh.corners(leaf as usize)) {
-            found.offer(candidate(&sight, mesh, leaf as usize, aim.ray.faces));
+            found.look_at(&sight, mesh, leaf as usize, aim.ray.faces);
         }
         // No farther along the path than what is no farther along the ray.
         Ok::<f64, Infallible>(found.limit - before)
     });
-    found.touches(&local, mesh, &place.pose)
-}
-
-/// What is known of the ray and one triangle; `None` if it is surely not touched. Not in line, so that triangles that are passed by need
-/// no memory for those that are not.
-#[inline(never)]
-fn candidate<S: Surface>(sight: &Sight<'_>, mesh: &S, triangle: usize, faces: Faces) -> Option<Candidate> {
-    let corners = mesh.corners(triangle);
-    let (view, meeting) = sight.look(corners)?;
-    if is_culled(view, faces) {
-        return None;
-    }
-    let (meeting, is_crossed) = if view.is_hit() {
-        (meeting, true)
-    } else {
-        match patch_meeting(sight, mesh, triangle, view) {
-            Some(bound) => (Meeting { bound, ..meeting }, true),
-            None => (meeting, false),
-        }
-    };
-    let (first, last) = (sight.ray.first, sight.ray.last);
-    let Bound { mut lower, upper } = meeting.bound;
-    if first == 0.0 && lower < 0.0 && upper >= 0.0 {
-        match sight.is_ahead(corners) {
-            Some(true) => lower = 0.0,
-            Some(false) => return None,
-            None => {}
-        }
-    }
-    if upper < first || lower > last {
-        return None;
-    }
-    let is_within = lower >= first && upper <= last;
-    // Seen edge-on, a triangle might be culled.
-    let counts = faces == Faces::Both || view.facing != Sign::Unknown;
-    let bound = Bound::new(lower.max(first), upper.min(last));
-    Some(Candidate {
-        triangle,
-        bound,
-        best: meeting.best.clamp(bound.lower, bound.upper),
-        verdict: if is_crossed && is_within && counts { Verdict::Hit } else { Verdict::Undecided },
-    })
+    found.touches(&local, mesh, spot.pose)
 }
 
 /// Whether a triangle surely shows the ray a side that does not count.
@@ -173,16 +131,46 @@ impl Default for Found {
 }
 
 impl Found {
-    fn offer(&mut self, candidate: Option<Candidate>) {
-        let Some(candidate) = candidate.filter(|candidate| candidate.bound.lower <= self.limit) else {
+    /// Keeps what is known of the ray and one triangle, unless it is surely not touched. Not in line, so that triangles that are passed by
+    /// need no memory for those that are not.
+    #[inline(never)]
+    fn look_at<S: Surface>(&mut self, sight: &Sight<'_>, mesh: &S, triangle: usize, faces: Faces) {
+        let corners = mesh.corners(triangle);
+        let Some((view, meeting)) = sight.look(corners) else { return };
+        if is_culled(view, faces) {
             return;
-        };
-        if candidate.verdict == Verdict::Hit && candidate.bound.upper < self.limit {
-            self.limit = candidate.bound.upper;
-            let limit = self.limit;
-            self.candidates.retain(|known| known.bound.lower <= limit);
         }
-        self.candidates.push(candidate);
+        let (meeting, is_crossed) = if view.is_hit() {
+            (meeting, true)
+        } else {
+            match patch_meeting(sight, mesh, triangle, view) {
+                Some(bound) => (Meeting { bound, ..meeting }, true),
+                None => (meeting, false),
+            }
+        };
+        let (first, last) = (sight.ray.first, sight.ray.last);
+        let Bound { mut lower, upper } = meeting.bound;
+        if first == 0.0 && lower < 0.0 && upper >= 0.0 {
+            match sight.is_ahead(corners) {
+                Some(true) => lower = 0.0,
+                Some(false) => return,
+                None => {}
+            }
+        }
+        if upper < first || lower > last || lower > self.limit {
+            return;
+        }
+        let is_within = lower >= first && upper <= last;
+        // Seen edge-on, a triangle might be culled.
+        let counts = faces == Faces::Both || view.facing != Sign::Unknown;
+        let bound = Bound::new(lower.max(first), upper.min(last));
+        let verdict = if is_crossed && is_within && counts { Verdict::Hit } else { Verdict::Undecided };
+        if verdict == Verdict::Hit && bound.upper < self.limit {
+            self.limit = bound.upper;
+            self.candidates.retain(|known| known.bound.lower <= bound.upper);
+        }
+        let best = meeting.best.clamp(bound.lower, bound.upper);
+        self.candidates.push(Candidate { triangle, bound, best, verdict });
     }
 
     /// The first by its best value; where others cannot be told from it (they share an edge there), the least number.

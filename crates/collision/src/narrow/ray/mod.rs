@@ -35,16 +35,16 @@ use self::{
     advance::Rounded,
     cone::Cone,
     crossing::Crossing,
-    frame::{LocalRay, Target},
+    frame::{LocalRay, Spot, Target},
     nearest::Solid,
     round::Round,
 };
-use super::{Operand, Placed, place::Place};
+use super::Placed;
 use crate::{
     accuracy::Accuracy,
     answer::{Certificate, Feature, Work},
     math::{Norm, Pose},
-    shape::{Convex, Core, Form, Geometry, Hull, Span},
+    shape::{Convex, Core, Form, Geometry, Hull, Simple, Span},
 };
 
 /// A ray. Its direction is of any length but 0; distances along it are metres.
@@ -141,29 +141,36 @@ pub struct RayTouches {
 /// assert!(touch.certificate.bound.contains(1e9 - 1.0));
 /// ```
 pub fn raycast(ray: &Ray, target: Placed<'_>, accuracy: &Accuracy, work: &mut Work) -> RayTouches {
-    raycast_of(&Aim::new(ray), Operand { placed: target, simple: None }, accuracy, work)
+    raycast_of(&Aim::new(ray), (target.geometry, &target.pose), None, accuracy, work)
 }
 
-/// As [`raycast`], with a ray that was made ready, and a target that may be at hand.
-pub(crate) fn raycast_of(aim: &Aim<'_>, target: Operand<'_>, accuracy: &Accuracy, work: &mut Work) -> RayTouches {
-    let Operand { placed: Placed { geometry, pose }, simple } = target;
+/// As [`raycast`], with a ray that was made ready, and a target whose form may be at hand. The pose is read where it is: a copy that was
+/// just written is waited for.
+pub(crate) fn raycast_of(
+    aim: &Aim<'_>,
+    (geometry, pose): (&Geometry, &Pose),
+    simple: Option<&Simple>,
+    accuracy: &Accuracy,
+    work: &mut Work,
+) -> RayTouches {
     if aim.ray.min_distance > aim.ray.max_distance {
         return RayTouches::default();
     }
     if let Some(simple) = simple {
         let about = Target::about_origin(simple.reach(), 0.0);
-        return convex_touches(aim, &simple.convex(), (about, &pose), accuracy, work);
+        return convex_touches(aim, &simple.convex(), (about, pose), accuracy, work);
     }
+    let spot = Spot { pose, blur: 0.0 };
     match geometry.form() {
-        Form::Mesh(mesh) => solid::touches(aim, (mesh.as_ref(), geometry), &Place::of(pose), work),
+        Form::Mesh(mesh) => solid::touches(aim, (mesh.as_ref(), geometry), spot, work),
         Form::HalfSpace(half_space) => {
             work.pairs_tested += 1;
             work.iterations += 1;
-            half_space::touches(aim.ray, half_space, &pose)
+            half_space::touches(aim.ray, half_space, pose)
         }
-        Form::Convex(convex) => touches(aim, (convex, geometry), &Place::of(pose), accuracy, work),
-        Form::HeightField(field) => height_field::touches(aim, (field, geometry), &Place::of(pose), work),
-        Form::Compound(compound) => compound::touches(aim.ray, (compound, geometry), &pose, accuracy, work),
+        Form::Convex(convex) => touches(aim, (convex, geometry), spot, accuracy, work),
+        Form::HeightField(field) => height_field::touches(aim, (field, geometry), spot, work),
+        Form::Compound(compound) => compound::touches(aim.ray, (compound, geometry), pose, accuracy, work),
     }
 }
 
@@ -171,7 +178,7 @@ pub(crate) fn raycast_of(aim: &Aim<'_>, target: Operand<'_>, accuracy: &Accuracy
 fn touches(
     aim: &Aim<'_>,
     (convex, geometry): (&Convex, &Geometry),
-    place: &Place,
+    spot: Spot<'_>,
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> RayTouches {
@@ -181,10 +188,10 @@ fn touches(
         | Core::Cuboid { .. }
         | Core::Cylinder { .. }
         | Core::Cone { .. }
-        | Core::Ellipsoid { .. } => Target::about_origin(geometry.reach(), place.blur),
-        Core::Hull(_) | Core::Triangle(_) => Target::about_center(geometry, place.blur),
+        | Core::Ellipsoid { .. } => Target::about_origin(geometry.reach(), spot.blur),
+        Core::Hull(_) | Core::Triangle(_) => Target::about_center(geometry, spot.blur),
     };
-    convex_touches(aim, convex, (about, &place.pose), accuracy, work)
+    convex_touches(aim, convex, (about, spot.pose), accuracy, work)
 }
 
 #[inline]

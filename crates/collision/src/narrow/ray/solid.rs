@@ -3,13 +3,12 @@
 use super::{
     Aim, Faces, Ray, RayTouch, RayTouches,
     crossing::certificate,
-    frame::{LocalRay, Target},
+    frame::{LocalRay, Spot, Target},
     mesh,
 };
 use crate::{
     answer::{Bound, Feature, Verdict, Work},
     math::Pose,
-    narrow::place::Place,
     shape::{Containment, Geometry, Mesh, MeshMode},
 };
 
@@ -17,30 +16,30 @@ use crate::{
 pub(super) fn touches(
     aim: &Aim<'_>,
     (mesh, geometry): (&Mesh, &Geometry),
-    place: &Place,
+    spot: Spot<'_>,
     work: &mut Work,
 ) -> RayTouches {
     match (mesh.mode(), aim.ray.faces) {
         (MeshMode::OneSided, Faces::Back) => return RayTouches::default(),
         (MeshMode::OneSided, Faces::Both) => {
             let fronts = Ray { faces: Faces::Front, ..*aim.ray };
-            return mesh::touches(&Aim::new(&fronts), (mesh, geometry), place, work);
+            return mesh::touches(&Aim::new(&fronts), (mesh, geometry), spot, work);
         }
         (MeshMode::Solid, Faces::Both) if !aim.ray.hollow => {}
         (MeshMode::TwoSided | MeshMode::OneSided | MeshMode::Solid, _) => {
-            return mesh::touches(aim, (mesh, geometry), place, work);
+            return mesh::touches(aim, (mesh, geometry), spot, work);
         }
     }
-    let center = Target::about_center(geometry, place.blur);
-    let local = LocalRay::new(aim, &place.pose, center);
+    let center = Target::about_center(geometry, spot.blur);
+    let local = LocalRay::new(aim, spot.pose, center);
     if local.passes_ball(center.radius) {
         return RayTouches::default();
     }
     match beginning(&local, mesh, work) {
-        Containment::Inside => RayTouches { certain: Some(inner_touch(&local, &place.pose)), undecided: None },
-        Containment::Outside => mesh::touches(aim, (mesh, geometry), place, work),
+        Containment::Inside => RayTouches { certain: Some(inner_touch(&local, spot.pose)), undecided: None },
+        Containment::Outside => mesh::touches(aim, (mesh, geometry), spot, work),
         Containment::Undecided => {
-            mesh::touches(aim, (mesh, geometry), place, work).with_open_beginning(&local, &place.pose)
+            mesh::touches(aim, (mesh, geometry), spot, work).with_open_beginning(&local, spot.pose)
         }
     }
 }

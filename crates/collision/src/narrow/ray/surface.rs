@@ -59,6 +59,7 @@ impl Surface for Mesh {
         others.next().is_none().then_some((other, is_same_way))
     }
 
+    #[inline(always)]
     fn weights(corners: [DVec3; 3], point: DVec3) -> Option<DVec3> {
         triangle::weights(corners, point)
     }

@@ -118,7 +118,7 @@ impl<'a> Sight<'a> {
         Self { ray, center, across: across(ray.direction), error: 3.0 * ray.error }
     }
 
-    #[inline]
+    #[inline(always)]
     fn seen(&self, corners: [DVec3; 3]) -> Seen {
         let relative = corners.map(|corner| (corner - self.center) - self.ray.foot);
         let (normal, normal_error) = normal(corners);
@@ -127,7 +127,7 @@ impl<'a> Sight<'a> {
 
     /// Looks at a triangle, given by its corners in the local frame: how the ray sees it, and when it meets its plane, should it go
     /// through. `None` if it surely passes it by.
-    #[inline]
+    #[inline(always)]
     pub(super) fn look(&self, corners: [DVec3; 3]) -> Option<(View, Meeting)> {
         let seen = self.seen(corners);
         let edges = self.edges(&seen);
@@ -149,7 +149,7 @@ impl<'a> Sight<'a> {
         self.meeting(&self.seen(corners)).bound
     }
 
-    #[inline]
+    #[inline(always)]
     fn edges(&self, seen: &Seen) -> [Sign; 3] {
         let [u, v] = self.across;
         let [a, b, c] = seen.relative.map(|corner| DVec2::new(u.dot(corner), v.dot(corner)));
@@ -166,7 +166,7 @@ impl<'a> Sight<'a> {
         [self.side(a, b), self.side(b, c), self.side(c, a)]
     }
 
-    #[inline]
+    #[inline(always)]
     fn whole_view(&self, seen: &Seen, mut edges: [Sign; 3]) -> View {
         if edges.contains(&Sign::Unknown)
             && let Some(exact) = &self.ray.exact()
@@ -187,7 +187,7 @@ impl<'a> Sight<'a> {
         Sign::of(left - right, error)
     }
 
-    #[inline]
+    #[inline(always)]
     fn facing(&self, seen: &Seen) -> Sign {
         let sign = Sign::of(seen.normal.dot(self.ray.direction), self.speed_error(seen));
         if sign == Sign::Unknown
@@ -206,7 +206,7 @@ impl<'a> Sight<'a> {
 
     /// When the plane is met, should the ray go through the triangle: from the plane, and never outside of the
     /// stretch where its corners lie.
-    #[inline]
+    #[inline(always)]
     fn meeting(&self, seen: &Seen) -> Meeting {
         let ray = self.ray;
         let [a, b, c] = seen.relative.map(|corner| corner.dot(ray.direction));
@@ -257,7 +257,7 @@ pub(super) fn across(unit: DVec3) -> [DVec3; 2] {
 
 /// The weights of the corners whose mean is `point`, which is in the triangle but for rounding; `None` if the square of its
 /// area vanishes.
-#[inline]
+#[inline(always)]
 pub(super) fn weights([a, b, c]: [DVec3; 3], point: DVec3) -> Option<DVec3> {
     let (plain, error) = normal([a, b, c]);
     // How it leans counts only times how far the point is off the plane, which is some roundings: it matters for slivers alone.
