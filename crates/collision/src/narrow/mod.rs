@@ -41,14 +41,14 @@ pub struct Placed<'a> {
     pub pose: Pose,
 }
 
-impl<'a> Placed<'a> {
+impl Placed<'_> {
     fn is_compound(&self) -> bool {
         matches!(self.geometry.form(), Form::Compound(_))
     }
 
-    fn as_convex(&self) -> Option<PlacedConvex<'a>> {
+    fn as_convex(&self) -> Option<PlacedConvex<'_>> {
         match self.geometry.form() {
-            Form::Convex(convex) => Some(PlacedConvex::new(convex, self.pose)),
+            Form::Convex(convex) => Some(PlacedConvex::new(convex, &self.pose)),
             Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) | Form::HalfSpace(_) => None,
         }
     }
@@ -172,7 +172,7 @@ pub(crate) fn distance_of(
 ) -> Option<Separation> {
     if let (Some(a), Some(simple)) = (a.as_convex(), b.simple) {
         let convex = simple.convex();
-        let b = PlacedConvex::new(&convex, b.placed.pose);
+        let b = PlacedConvex::new(&convex, &b.placed.pose);
         return convex::distance(a, b, limit, accuracy, work);
     }
     distance(a, b.placed, limit, accuracy, work)
@@ -214,7 +214,7 @@ pub fn overlap(a: Placed<'_>, b: Placed<'_>, accuracy: &Accuracy, work: &mut Wor
 pub(crate) fn overlap_of(a: Placed<'_>, b: Operand<'_>, accuracy: &Accuracy, work: &mut Work) -> Certificate {
     if let (Some(a), Some(simple)) = (a.as_convex(), b.simple) {
         let convex = simple.convex();
-        let b = PlacedConvex::new(&convex, b.placed.pose);
+        let b = PlacedConvex::new(&convex, &b.placed.pose);
         return convex::overlap(a, b, accuracy, work);
     }
     overlap(a, b.placed, accuracy, work)
@@ -348,7 +348,7 @@ pub(crate) fn impact_of(
 ) -> Option<ImpactTouch> {
     if let (Some(a), Some(simple)) = (a.as_convex(), b.simple) {
         let convex = simple.convex();
-        let b = PlacedConvex::new(&convex, b.placed.pose);
+        let b = PlacedConvex::new(&convex, &b.placed.pose);
         return convex::impact(a, b, motion, [DVec3::ZERO; 2], accuracy, work);
     }
     let b = b.placed;

@@ -35,6 +35,7 @@ pub(super) fn reach(form: &Form) -> f64 {
 }
 
 /// The box of a geometry at a pose.
+#[inline]
 pub(super) fn placed_bounds(geometry: &Geometry, pose: &Pose) -> Aabb {
     if let Form::Convex(convex) = geometry.form()
         && is_turned(pose)
@@ -209,6 +210,7 @@ fn symmetric(half: DVec3) -> Aabb {
 }
 
 /// The Minkowski sum, rounded outwards.
+#[inline]
 fn sum(a: Aabb, b: Aabb) -> Aabb {
     let lower = |axis: usize| add_down(a.min[axis], b.min[axis]) + 0.0;
     let upper = |axis: usize| add_up(a.max[axis], b.max[axis]) + 0.0;

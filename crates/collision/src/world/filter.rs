@@ -38,21 +38,23 @@ pub(super) struct Sieve<'a> {
     exclude_sorted: Vec<ShapeId>,
 }
 
+fn sorted(ids: &[ShapeId]) -> Vec<ShapeId> {
+    let mut sorted = ids.to_vec();
+    sorted.sort_unstable();
+    sorted
+}
+
 impl<'a> Sieve<'a> {
     /// The filter for an asker, which may be a shape of the world.
     pub(super) fn new(filter: &'a Filter, asker: Option<&Shape>) -> Self {
-        let mut exclude_sorted = Vec::new();
-        if filter.exclude_ids.len() > EXCLUDED_UNSORTED_MAX {
-            exclude_sorted.extend_from_slice(&filter.exclude_ids);
-            exclude_sorted.sort_unstable();
-        }
+        let is_sorted = filter.exclude_ids.len() > EXCLUDED_UNSORTED_MAX;
         Self {
             filter,
             layers: filter.layers.or(asker.map(|shape| shape.layers)).unwrap_or(u32::MAX),
             collides_with: filter.collides_with.or(asker.map(|shape| shape.collides_with)).unwrap_or(u32::MAX),
             exclude_sensors: filter.exclude_sensors,
             asker: asker.map(|shape| (shape.id, shape.group)),
-            exclude_sorted,
+            exclude_sorted: if is_sorted { sorted(&filter.exclude_ids) } else { Vec::new() },
         }
     }
 

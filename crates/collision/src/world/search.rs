@@ -78,7 +78,7 @@ pub(super) fn outward(bounds: Aabb, margin: f64) -> Aabb {
 impl Snapshot {
     /// What a question is about; no half space.
     pub(super) fn subject<'a>(&'a self, subject: &'a Subject) -> Result<Side<'a>, QuestionError> {
-        let side = self.side(subject).map_err(QuestionError::SubjectNotFound)?;
+        let side = self.side(subject, QuestionError::SubjectNotFound)?;
         match side.placed.geometry.form() {
             Form::HalfSpace(_) => Err(QuestionError::SubjectUnbounded(side.id())),
             Form::Convex(_) | Form::Mesh(_) | Form::Compound(_) | Form::HeightField(_) => Ok(side),
@@ -87,7 +87,7 @@ impl Snapshot {
 
     /// What it is asked against, if it names that.
     pub(super) fn against<'a>(&'a self, against: Option<&'a Subject>) -> Result<Option<Side<'a>>, QuestionError> {
-        against.map(|against| self.side(against)).transpose().map_err(QuestionError::AgainstNotFound)
+        against.map(|against| self.side(against, QuestionError::AgainstNotFound)).transpose()
     }
 
     /// Visits what may touch the subject, by its outline, of that which a question is asked against: of what it names, or of
@@ -100,18 +100,23 @@ impl Snapshot {
         meter: &mut Meter<'m>,
         mut visit: impl FnMut(&mut Meter<'m>, Side<'a>) -> Result<(), QuestionError>,
     ) -> Result<(), QuestionError> {
-        match self.against(against)? {
-            Some(other) if outline.may_touch(&other.bounds) => visit(meter, other),
-            Some(_) => Ok(()),
-            None => self.seen_near(outline, subject.shape, filter, meter, visit),
-        }
+        let Some(against) = against else {
+            return self.seen_near(outline, subject.shape, filter, meter, visit);
+        };
+        let other = self.side(against, QuestionError::AgainstNotFound)?;
+        if outline.may_touch(&other.bounds) { visit(meter, other) } else { Ok(()) }
     }
 
-    fn side<'a>(&'a self, subject: &'a Subject) -> Result<Side<'a>, ShapeId> {
+    #[inline]
+    fn side<'a>(
+        &'a self,
+        subject: &'a Subject,
+        missing: impl FnOnce(ShapeId) -> QuestionError,
+    ) -> Result<Side<'a>, QuestionError> {
         match subject {
             Subject::Geometry { geometry, pose } => Ok(Side::at(geometry, *pose, None)),
             Subject::Shape { id, pose } => {
-                let side = self.find(*id).ok_or(*id)?;
+                let side = self.find(*id).ok_or_else(|| missing(*id))?;
                 Ok(match pose {
                     Some(pose) => Side::at(side.placed.geometry, *pose, side.shape),
                     None => side,

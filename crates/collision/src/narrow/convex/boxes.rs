@@ -209,36 +209,40 @@ impl Boxes {
         }
     }
 
+    /// The nine products, until one parts the boxes by more than `enough`. None goes through an array: what was just written is waited
+    /// for where it is read in other portions.
     fn edges(&self, best: &mut Best, enough: f64) {
-        let (half_a, half_b, p) = (self.half_a, self.half_b, self.position);
-        let columns = [self.turn.x_axis, self.turn.y_axis, self.turn.z_axis];
-        for (on_b, &along) in columns.iter().enumerate() {
-            let (next, last) = (columns[(on_b + 1) % 3], columns[(on_b + 2) % 3]);
-            let (half_next, half_last) = (half_b[(on_b + 1) % 3], half_b[(on_b + 2) % 3]);
-            // The product with x, y and z, and how far the boxes reach along it, all times its length.
-            let reach_b = last.abs() * half_next + next.abs() * half_last;
-            let axes = [
-                (0, DVec3::new(0.0, -along.z, along.y)),
-                (1, DVec3::new(along.z, 0.0, -along.x)),
-                (2, DVec3::new(-along.y, along.x, 0.0)),
-            ];
-            for (on_a, axis) in axes {
-                let quick = axis.dot(p).abs() - axis.abs().dot(half_a) - reach_b[on_a];
-                // No product is longer than 1, so that most lose without a root.
-                if quick + 2.0 * PAIR_ROUNDING < best.separation.min(0.0) {
-                    continue;
-                }
-                let length = axis.norm();
-                // Edges parallel to within what has a square span no axis.
-                if quick + 2.0 * PAIR_ROUNDING < best.separation * length || length * length < SQUARE_MIN {
-                    continue;
-                }
-                self.measure_edges(best, axis / length, [on_a, on_b]);
-                if best.separation > enough {
-                    return;
-                }
-            }
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.turn;
+        let half = self.half_b;
+        let mut parts_along = |on_b, along, reach| self.parts_along(best, (on_b, along), reach, enough);
+        let _ = parts_along(0, x, z.abs() * half.y + y.abs() * half.z)
+            || parts_along(1, y, x.abs() * half.z + z.abs() * half.x)
+            || parts_along(2, z, y.abs() * half.x + x.abs() * half.y);
+    }
+
+    /// Whether a product of x, y or z with an edge of the second box parts the boxes by more than `enough`. That box reaches so far along
+    /// each, times its length.
+    #[inline]
+    fn parts_along(&self, best: &mut Best, (on_b, along): (usize, DVec3), reach: DVec3, enough: f64) -> bool {
+        self.parts(best, DVec3::new(0.0, -along.z, along.y), reach.x, [0, on_b], enough)
+            || self.parts(best, DVec3::new(along.z, 0.0, -along.x), reach.y, [1, on_b], enough)
+            || self.parts(best, DVec3::new(-along.y, along.x, 0.0), reach.z, [2, on_b], enough)
+    }
+
+    #[inline(always)]
+    fn parts(&self, best: &mut Best, axis: DVec3, reach: f64, edges: [usize; 2], enough: f64) -> bool {
+        let quick = axis.dot(self.position).abs() - axis.abs().dot(self.half_a) - reach;
+        // No product is longer than 1, so that most lose without a root.
+        if quick + 2.0 * PAIR_ROUNDING < best.separation.min(0.0) {
+            return false;
         }
+        let length = axis.norm();
+        // Edges parallel to within what has a square span no axis.
+        if quick + 2.0 * PAIR_ROUNDING < best.separation * length || length * length < SQUARE_MIN {
+            return false;
+        }
+        self.measure_edges(best, axis / length, edges);
+        best.separation > enough
     }
 
     fn measure_edges(&self, best: &mut Best, normal: DVec3, edges: [usize; 2]) {

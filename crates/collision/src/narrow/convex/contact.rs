@@ -41,7 +41,7 @@ pub(crate) fn penetration_warm(
     warm: &mut Warm,
     work: &mut Work,
 ) -> Option<Contact> {
-    let resting = Resting { poses: [a.pose, b.pose], max_gap, accuracy: *accuracy };
+    let resting = Resting { poses: [*a.pose, *b.pose], max_gap, accuracy: *accuracy };
     if let Some(known) = warm.contact_at(&resting) {
         work.pairs_tested += 1;
         return known.clone();

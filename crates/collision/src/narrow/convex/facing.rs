@@ -164,8 +164,12 @@ fn cuboid_face(body: &Body<'_>, half_extents: DVec3, direction: DVec3) -> Facing
         flat |= 1u32 << side;
         lean[side] = 0.0;
     }
-    let rests = [0, second, second | third, third].into_iter().filter(|rest| rest & flat == 0);
-    let corners: Corners = rests.map(|rest| body.corner(high | rest)).collect();
+    let mut corners = Corners::new();
+    for rest in [0, second, second | third, third] {
+        if rest & flat == 0 {
+            corners.push(body.corner(high | rest));
+        }
+    }
     let normal = if corners.len() > 2 { body.turn(DVec3::AXES[axis]) } else { direction };
     Facing { corners, is_flat: lean.norm() <= FLAT_CONTACT_SINE, normal }
 }

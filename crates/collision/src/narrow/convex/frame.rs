@@ -16,7 +16,7 @@ use glam::{DMat3, DVec3};
 use super::{PlacedConvex, body::Body};
 use crate::{
     answer::Bound,
-    math::Norm,
+    math::{Norm, Pose},
     shape::{Convex, Core},
     tolerance::{LENGTH_WIDENING, PAIR_ROUNDING, SQUARE_MIN},
 };
@@ -37,10 +37,15 @@ pub(super) struct Pair<'a> {
 impl<'a> Pair<'a> {
     /// The frame of a pair whose relative motion covers `path` metres.
     pub(super) fn new(a: PlacedConvex<'a>, b: PlacedConvex<'a>, path: f64) -> Self {
-        let axes = a.pose.matrix();
-        let apart = b.pose.position - a.pose.position;
-        let path = path + (a.blur + b.blur) * (1.0 / PAIR_ROUNDING);
-        let (reach, extent) = reach_and_extent([a.convex, b.convex], apart, path);
+        Self::of([a.convex, b.convex], [a.pose, b.pose], a.blur + b.blur, path)
+    }
+
+    /// The same of forms at poses that need not outlive it, with the sum of their blurs.
+    pub(super) fn of([a, b]: [&'a Convex; 2], [pose_a, pose_b]: [&Pose; 2], blur: f64, path: f64) -> Self {
+        let axes = pose_a.matrix();
+        let apart = pose_b.position - pose_a.position;
+        let path = path + blur * (1.0 / PAIR_ROUNDING);
+        let (reach, extent) = reach_and_extent([a, b], apart, path);
         let scale = power_of_two_below_reciprocal(extent);
         let body = |convex: &'a Convex, is_turned, rotation, position: DVec3| Body {
             core: &convex.core,
@@ -51,16 +56,16 @@ impl<'a> Pair<'a> {
             scale,
         };
         // Forms that are turned alike have exactly no relative rotation, and of a point none shows.
-        let is_turned = a.pose.rotation != b.pose.rotation && !matches!(b.convex.core, Core::Point);
-        let rotation = if is_turned { axes.transpose() * b.pose.matrix() } else { DMat3::IDENTITY };
+        let is_turned = pose_a.rotation != pose_b.rotation && !matches!(b.core, Core::Point);
+        let rotation = if is_turned { axes.transpose() * pose_b.matrix() } else { DMat3::IDENTITY };
         Self {
-            a: body(a.convex, false, DMat3::IDENTITY, DVec3::ZERO),
-            b: body(b.convex, is_turned, rotation, axes.transpose() * apart),
+            a: body(a, false, DMat3::IDENTITY, DVec3::ZERO),
+            b: body(b, is_turned, rotation, axes.transpose() * apart),
             reach: reach * scale * LENGTH_WIDENING,
             scale,
             unscale: 1.0 / scale,
             axes,
-            origin: a.pose.position,
+            origin: pose_a.position,
         }
     }
 

@@ -216,9 +216,12 @@ fn single(pair: &Pair<'_>, touch: &Touch) -> Point {
 /// Names the features that some vertices of the difference come from, on `a` and on `b`.
 pub(super) fn names(vertices: &[Vertex]) -> [u16; 2] {
     [0, 1].map(|side: usize| {
-        let mut corners: SmallVec<[u32; 4]> = vertices.iter().map(|vertex| vertex.corners[side]).collect();
-        corners.sort_unstable();
-        corners.dedup();
+        let mut corners: SmallVec<[u32; 4]> = SmallVec::new();
+        for corner in vertices.iter().map(|vertex| vertex.corners[side]) {
+            if let Err(at) = corners.binary_search(&corner) {
+                corners.insert(at, corner);
+            }
+        }
         name(&corners)
     })
 }

@@ -59,14 +59,14 @@ pub(crate) struct PlacedConvex<'a> {
     /// The form.
     pub(crate) convex: &'a Convex,
     /// Where it is.
-    pub(crate) pose: Pose,
+    pub(crate) pose: &'a Pose,
     /// No point of it is farther than this from where the pose puts it, metres: 0 where that is known as it was sent.
     pub(crate) blur: f64,
 }
 
 impl<'a> PlacedConvex<'a> {
     /// A form at a pose that is known as it was sent.
-    pub(crate) fn new(convex: &'a Convex, pose: Pose) -> Self {
+    pub(crate) fn new(convex: &'a Convex, pose: &'a Pose) -> Self {
         Self { convex, pose, blur: 0.0 }
     }
 }

@@ -112,14 +112,19 @@ impl<'a> Course<'a> {
     /// The course of a pair; `way` is how far `a` goes relative to `b`, metres.
     pub(super) fn new(a: PlacedConvex<'a>, b: PlacedConvex<'a>, way: DVec3, swings: &Swings) -> Self {
         // The first form without its rotation makes the axes those of the world.
-        let upright = PlacedConvex { pose: Pose::at(a.pose.position), ..a };
+        let upright = Pose::at(a.pose.position);
         let [turn_a, turn_b] = swings.turns;
         let [arm_a, arm_b] = swings.arms;
         // The ends of arms may go to the other side.
-        let pair = Pair::new(upright, b, length(way) + 2.0 * (length(arm_a) + length(arm_b)));
+        let pair = Pair::of(
+            [a.convex, b.convex],
+            [&upright, b.pose],
+            a.blur + b.blur,
+            length(way) + 2.0 * (length(arm_a) + length(arm_b)),
+        );
         let scale = pair.length_in(1.0);
-        let turn_a = Turn::new(&a.convex.core, &a.pose, [turn_a, arm_a], scale);
-        let turn_b = Turn::new(&b.convex.core, &b.pose, [turn_b, arm_b], scale);
+        let turn_a = Turn::new(&a.convex.core, a.pose, [turn_a, arm_a], scale);
+        let turn_b = Turn::new(&b.convex.core, b.pose, [turn_b, arm_b], scale);
         let spin = turn_a.speed() + turn_b.speed();
         Self {
             start: pair.b.position + (turn_a.arm - turn_b.arm),

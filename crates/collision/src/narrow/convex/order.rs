@@ -19,7 +19,7 @@ pub(super) fn is_swapped(a: PlacedConvex<'_>, b: PlacedConvex<'_>) -> bool {
         .cmp(&kind(&b.convex.core))
         .then_with(|| content(&a.convex.core, &b.convex.core))
         .then_with(|| a.convex.radius.total_cmp(&b.convex.radius))
-        .then_with(|| pose(&a.pose, &b.pose));
+        .then_with(|| pose(a.pose, b.pose));
     order == Ordering::Greater
 }
 

@@ -106,7 +106,7 @@ impl<'a> Side<'a> {
     }
 
     fn placed(&self) -> PlacedConvex<'_> {
-        PlacedConvex { convex: &self.convex, pose: self.place.pose, blur: self.place.blur }
+        PlacedConvex { convex: &self.convex, pose: &self.place.pose, blur: self.place.blur }
     }
 }
 

@@ -86,8 +86,8 @@ struct Space<'a> {
 }
 
 impl<'a> Piece<'a> {
-    fn placed(&self) -> PlacedConvex<'a> {
-        PlacedConvex { convex: self.convex, pose: self.place.pose, blur: self.place.blur }
+    fn placed(&self) -> PlacedConvex<'_> {
+        PlacedConvex { convex: self.convex, pose: &self.place.pose, blur: self.place.blur }
     }
 
     /// Whether it is a triangle of the surface of a body, so that what touches it may lie deeper in the body.

@@ -102,8 +102,9 @@ impl Caster<'_> {
     fn cast(&self, growth: f64, origin: DVec3, motion: DVec3, work: &mut Work) -> Option<ImpactTouch> {
         let point = Convex { core: Core::Point, radius: 0.0 };
         let body = Convex { core: self.body.core.clone(), radius: self.body.radius + growth };
-        let point = PlacedConvex::new(&point, Pose::at(origin));
-        let body = PlacedConvex::new(&body, self.pose);
+        let start = Pose::at(origin);
+        let point = PlacedConvex::new(&point, &start);
+        let body = PlacedConvex::new(&body, &self.pose);
         let motion = Motion { displacement_a: motion, ..Motion::default() };
         convex::impact(point, body, &motion, [DVec3::ZERO; 2], self.accuracy, work)
     }
