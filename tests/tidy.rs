@@ -136,6 +136,17 @@ fn tolerances_stand_in_one_file() {
     }
 }
 
+/// glam takes its roots from software, for the sake of equal bytes; the processor's have the same bytes in a fraction of the time.
+#[test]
+fn lengths_are_taken_by_the_processors_root() {
+    for file in files("crates/collision/src", ".rs") {
+        for (number, line) in code(&read(&file)).lines().enumerate() {
+            let is_soft = [".length()", ".normalize()"].iter().any(|call| line.contains(call));
+            assert!(!is_soft, "{file}:{}: `math::Norm` has that with the processor's root", number + 1);
+        }
+    }
+}
+
 #[test]
 fn files_and_functions_fit_a_screen() {
     let mut found: BTreeMap<String, usize> = BTreeMap::new();

@@ -2,11 +2,16 @@
 
 use glam::DVec3;
 
+use super::Norm;
+
 /// The unit vector along `v`, however short or long it is; `None` for 0. No square in it vanishes or overflows.
 #[must_use]
 pub fn try_unit(v: DVec3) -> Option<DVec3> {
     let largest = v.abs().max_element();
-    (largest > 0.0).then(|| (v / largest).normalize())
+    (largest > 0.0).then(|| {
+        let scaled = v / largest;
+        scaled * (1.0 / scaled.norm())
+    })
 }
 
 /// A vector of any length but 0, times a power of two so that its largest component lies in [1, 2), but for components

@@ -93,7 +93,7 @@ impl Pose {
         let to = if cosine < 0.0 { -to } else { to };
         // The vector part of `to` times the inverse of `from`: the axis times the sine of half the angle.
         let along = to.xyz() * from.w - from.xyz() * to.w - to.xyz().cross(from.xyz());
-        let sine = along.length();
+        let sine = along.norm();
         if sine <= 0.0 {
             return DVec3::ZERO;
         }

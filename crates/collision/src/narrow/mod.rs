@@ -275,9 +275,15 @@ pub fn penetration(
         return Ok(pair.penetration(max_gap, work));
     }
     match (a.as_convex(), b.as_convex()) {
-        (Some(a), Some(b)) => Ok(convex::penetration(a, b, max_gap, accuracy, work).into_iter().collect()),
+        (Some(a), Some(b)) => Ok(contacts(convex::penetration(a, b, max_gap, accuracy, work))),
         _ => pieces::penetration(a, b, max_gap, accuracy, work),
     }
+}
+
+/// Those of one pair of pieces. A contact is large, and an iterator would hand it on twice.
+#[inline]
+fn contacts(found: Option<Contact>) -> Contacts {
+    found.map_or_else(Contacts::new, |contact| Contacts::from_buf([contact]))
 }
 
 /// As [`penetration`], beginning where the last question about this pair ended: see [`Warm`]. Concave forms remember nothing.
@@ -296,7 +302,7 @@ pub fn penetration_warm(
         return Ok(pair.penetration(max_gap, work));
     }
     match (a.as_convex(), b.as_convex()) {
-        (Some(a), Some(b)) => Ok(convex::penetration_warm(a, b, max_gap, accuracy, warm, work).into_iter().collect()),
+        (Some(a), Some(b)) => Ok(contacts(convex::penetration_warm(a, b, max_gap, accuracy, warm, work))),
         _ => pieces::penetration(a, b, max_gap, accuracy, work),
     }
 }

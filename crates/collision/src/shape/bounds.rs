@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use super::{Convex, Core, Form, Geometry, HalfSpace, Limits};
 use crate::{
     math::{
-        Aabb, Pose,
+        Aabb, Norm, Pose,
         directed::{add_down, add_up},
         larger,
     },
@@ -143,9 +143,7 @@ fn turned_core(turn: &DMat3, core: &Core) -> Aabb {
         }
         Core::Ellipsoid { radii } => {
             let stretched = [turn.x_axis * radii.x, turn.y_axis * radii.y, turn.z_axis * radii.z];
-            symmetric(DVec3::from_array(
-                [0, 1, 2].map(|row| DVec3::from_array(stretched.map(|axis| axis[row])).length()),
-            ))
+            symmetric(DVec3::from_array([0, 1, 2].map(|row| DVec3::from_array(stretched.map(|axis| axis[row])).norm())))
         }
     }
 }

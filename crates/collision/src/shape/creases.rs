@@ -20,7 +20,7 @@ use smallvec::SmallVec;
 
 use super::{Mesh, topology::index_u32};
 use crate::{
-    math::{expansion::triangle_cross, try_unit},
+    math::{Norm, expansion::triangle_cross, try_unit},
     tolerance::SURFACE_LEAN,
 };
 
@@ -111,7 +111,7 @@ impl Mesh {
         let mut normals = Normals::new();
         let mut add = |normal: DVec3, is_normal: &dyn Fn(DVec3) -> bool| {
             for side in sides.of(normal) {
-                if is_normal(side) && normals.iter().all(|&known| (known - side).length() > SURFACE_LEAN) {
+                if is_normal(side) && normals.iter().all(|&known| (known - side).norm() > SURFACE_LEAN) {
                     normals.push(side);
                 }
             }
@@ -143,7 +143,7 @@ impl Mesh {
         let above = |k: usize, other: usize| direction.dot(corners[k] - corners[other]);
         let top = if above(1, 0) > 0.0 { 1 } else { 0 };
         let top = if above(2, top) > 0.0 { 2 } else { top };
-        let is_level = |k: usize| above(top, k) <= SURFACE_LEAN * (corners[top] - corners[k]).length();
+        let is_level = |k: usize| above(top, k) <= SURFACE_LEAN * (corners[top] - corners[k]).norm();
         let (next, last) = ((top + 1) % 3, (top + 2) % 3);
         match (is_level(next), is_level(last)) {
             (true, true) => Reach::Face,

@@ -36,7 +36,10 @@ use super::{
     scale::Scaled,
     topology::Span,
 };
-use crate::tolerance::{LENGTH_WIDENING, WITNESS_ROUNDING};
+use crate::{
+    math::Norm,
+    tolerance::{LENGTH_WIDENING, WITNESS_ROUNDING},
+};
 
 /// A hull of some vertices of another, and how far they are apart.
 #[derive(Debug)]
@@ -289,6 +292,6 @@ fn witness_up(to: [DVec3; 3], weights: [f64; 3]) -> f64 {
     let total = weights[0] + weights[1] + weights[2];
     let [a, b, c] = weights.map(|weight| weight / total);
     let way = to[0] * a + to[1] * b + to[2] * c;
-    let size = to[0].length() * a + to[1].length() * b + to[2].length() * c;
-    way.length() * LENGTH_WIDENING + size * WITNESS_ROUNDING
+    let size = to[0].norm() * a + to[1].norm() * b + to[2].norm() * c;
+    way.norm() * LENGTH_WIDENING + size * WITNESS_ROUNDING
 }

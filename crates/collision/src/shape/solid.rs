@@ -28,7 +28,7 @@ use super::Mesh;
 use crate::{
     answer::Work,
     broad::{self, ALL_LAYERS, Path, Tree},
-    math::{Aabb, expansion::triangle_cross, try_unit},
+    math::{Aabb, Norm, expansion::triangle_cross, try_unit},
     tolerance::{EXACT_PART_MIN, TRIANGLE_PLANE},
 };
 
@@ -125,7 +125,7 @@ impl Mesh {
 fn is_beyond([a, b, c]: [DVec3; 3], point: DVec3, radius: f64) -> bool {
     let parted_by = |normal: DVec3, corner: DVec3| {
         let apart = point - corner;
-        normal.dot(apart) > radius + TRIANGLE_PLANE * (apart.length() + radius)
+        normal.dot(apart) > radius + TRIANGLE_PLANE * (apart.norm() + radius)
     };
     let Some(front) = try_unit(triangle_cross([a, b, c])) else { return false };
     let by_side = |from: DVec3, to: DVec3| {

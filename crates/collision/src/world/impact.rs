@@ -13,7 +13,7 @@ use crate::{
     accuracy::Accuracy,
     answer::Certificate,
     broad::{Line, Path},
-    math::Aabb,
+    math::{Aabb, Norm},
     narrow::{self, ImpactTouch, InitialTouch, Motion},
     tolerance,
 };
@@ -94,7 +94,7 @@ pub(super) fn turning_bounds(side: &Side<'_>, rotation: DVec3) -> Aabb {
     }
     let (reach, place) = (side.placed.geometry.reach(), side.placed.pose.position);
     let ball = outward(Aabb::new(place, place), reach);
-    let near = outward(side.bounds, reach * rotation.length() * tolerance::LENGTH_WIDENING);
+    let near = outward(side.bounds, reach * rotation.norm() * tolerance::LENGTH_WIDENING);
     Aabb::new(ball.min.max(near.min), ball.max.min(near.max))
 }
 

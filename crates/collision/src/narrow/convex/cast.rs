@@ -72,16 +72,15 @@ pub(super) fn approach(pair: &Pair<'_>, way: DVec3, entry: f64, budget: u32) -> 
             break;
         }
         let is_known = simplex.contains(&vertex);
-        let grown = if is_known { simplex } else { simplex.with(&vertex) };
         let is_nearer = if found.time + step > found.time {
             (found.normal, found.time) = (toward, found.time + step);
-            simplex = grown.moved(way * step);
+            if !is_known {
+                simplex.push(vertex);
+            }
+            simplex.go(way * step);
             true
         } else {
-            let next = if is_known { simplex } else { grown.nearest() };
-            let is_nearer = next.point().length_squared() < nearest.length_squared();
-            simplex = if is_nearer { next } else { simplex };
-            is_nearer
+            !is_known && simplex.take_in(&vertex)
         };
         // What is foreseen may be wrong: then the plane across what is nearest now has the say.
         if !is_nearer && ahead.is_none() {
@@ -91,6 +90,7 @@ pub(super) fn approach(pair: &Pair<'_>, way: DVec3, entry: f64, budget: u32) -> 
     }
     Approach { simplex: Some(simplex), ..found }
 }
+
 /// The direction towards the features that are nearest, at the time when they will be as near as `radius`; `None` if that
 /// is the present one or if they pass by. For a corner or an edge it is the normal of the touch, which planes only
 /// converge to.

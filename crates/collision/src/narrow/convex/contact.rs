@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::{
     PlacedConvex,
@@ -27,9 +28,11 @@ pub(crate) fn penetration(
     work: &mut Work,
 ) -> Option<Contact> {
     let (first, second, is_swapped) = order::in_order(a, b);
-    judge(first, second, max_gap, accuracy, &mut None, work, |judged| {
-        if is_swapped { judged.contact().swapped() } else { judged.contact() }
-    })
+    let mut contact = judge(first, second, max_gap, accuracy, &mut None, work, |judged| judged.contact());
+    if is_swapped && let Some(contact) = &mut contact {
+        contact.swap();
+    }
+    contact
 }
 
 /// The same from what was remembered; the same question again has the same answer without any search.
@@ -48,9 +51,10 @@ pub(crate) fn penetration_warm(
     }
     let (first, second, is_swapped) = order::in_order(a, b);
     let seed = warm.seed(is_swapped);
-    let contact = judge(first, second, max_gap, accuracy, seed, work, |judged| {
-        if is_swapped { judged.contact().swapped() } else { judged.contact() }
-    });
+    let mut contact = judge(first, second, max_gap, accuracy, seed, work, |judged| judged.contact());
+    if is_swapped && let Some(contact) = &mut contact {
+        contact.swap();
+    }
     warm.rest(resting, contact.clone());
     contact
 }
@@ -107,27 +111,28 @@ pub(super) struct Judged<'p> {
 impl Judged<'_> {
     pub(super) fn contact(&self) -> Contact {
         let Self { pair, touch, .. } = self;
-        let touching = manifold::points(pair, touch);
-        let points = touching.iter().map(|point| {
+        // Points are put where they stay: they are large to copy.
+        let mut contact = Contact {
+            normal_b_to_a: pair.direction_out(touch.normal),
+            depth: pair.length_out(touch.best),
+            points: SmallVec::new(),
+            feature_a: Feature::default(),
+            feature_b: Feature::default(),
+            certificate: self.certificate(),
+        };
+        for point in &manifold::points(pair, touch) {
             let depth = (point.on_b - point.on_a).dot(touch.normal);
             // Nowhere is the way between the surfaces along the normal longer than both forms are wide together.
             let upper = (depth + point.beyond + POINT_DEPTH).min((depth + POINT_DEPTH).max(touch.upper));
-            ContactPoint {
+            contact.points.push(ContactPoint {
                 point_on_a: pair.point_out(point.on_a),
                 point_on_b: pair.point_out(point.on_b),
                 depth: pair.length_out(depth),
                 bound: pair.bound_out(depth - POINT_DEPTH, upper),
                 feature_pair: point.feature_pair,
-            }
-        });
-        Contact {
-            normal_b_to_a: pair.direction_out(touch.normal),
-            depth: pair.length_out(touch.best),
-            points: points.collect(),
-            feature_a: Feature::default(),
-            feature_b: Feature::default(),
-            certificate: self.certificate(),
+            });
         }
+        contact
     }
 
     fn depth(&self) -> Depth {
@@ -152,13 +157,18 @@ impl Judged<'_> {
 impl Contact {
     /// The same contact with the arguments swapped.
     pub(in crate::narrow) fn swapped(mut self) -> Self {
+        self.swap();
+        self
+    }
+
+    /// Swaps the arguments.
+    pub(in crate::narrow) fn swap(&mut self) {
         self.normal_b_to_a = DVec3::ZERO - self.normal_b_to_a;
         std::mem::swap(&mut self.feature_a, &mut self.feature_b);
         for point in &mut self.points {
             std::mem::swap(&mut point.point_on_a, &mut point.point_on_b);
             point.feature_pair = point.feature_pair.rotate_left(16);
         }
-        self
     }
 }
 

@@ -78,7 +78,11 @@ pub(super) fn gap_warm(
     budget: u32,
     is_enough: impl Fn(f64, f64) -> bool,
 ) -> Gap {
-    if let Some(gap) = rods::gap(pair).or_else(|| formula::gap(pair)) {
+    // One after the other: a gap is large to hand on.
+    if let Some(gap) = rods::gap(pair) {
+        return gap;
+    }
+    if let Some(gap) = formula::gap(pair) {
         return gap;
     }
     if seed.is_none()

@@ -84,12 +84,12 @@ impl Simplex {
         &self.vertices[..self.part.count]
     }
 
-    /// The same vertices with `b` moved against `way`, and the part of them that is nearest then.
-    pub(super) fn moved(mut self, way: DVec3) -> Self {
+    /// Moves `b` against `way`, and goes to the part of these vertices that is nearest then.
+    pub(super) fn go(&mut self, way: DVec3) {
         for vertex in &mut self.vertices[..self.part.count] {
             vertex.point += way;
         }
-        self.nearest()
+        self.settle();
     }
 
     pub(super) fn contains(&self, vertex: &Vertex) -> bool {
@@ -130,8 +130,20 @@ impl Simplex {
         })
     }
 
+    /// Takes `vertex` in beside at most three and goes to the nearest part, if that is nearer; says whether it is.
+    pub(super) fn take_in(&mut self, vertex: &Vertex) -> bool {
+        let count = self.part.count;
+        self.vertices[count] = *vertex;
+        let part = nearest_part(&self.points(), count + 1);
+        let is_nearer = part.point.length_squared() < self.part.point.length_squared();
+        if is_nearer {
+            self.take(part);
+        }
+        is_nearer
+    }
+
     /// These vertices, at most three, and `vertex`. The point is not sought anew.
-    pub(super) fn with(&self, vertex: &Vertex) -> Self {
+    fn with(&self, vertex: &Vertex) -> Self {
         let mut grown = *self;
         if grown.part.count < 4 {
             grown.push(*vertex);

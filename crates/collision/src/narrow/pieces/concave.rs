@@ -12,7 +12,7 @@ use super::{Facet, Piece, Side, stand_in::StandIns};
 use crate::{
     answer::{Feature, Work},
     broad::{ALL_LAYERS, Line, Path, Tree},
-    math::{Aabb, Pose},
+    math::{Aabb, Norm, Pose},
     narrow::{half_space::Body, place::Place},
     shape::{Compound, Convex, Core, Form, Geometry, HeightField, Mesh, MeshParts, Standing},
     tolerance,
@@ -264,7 +264,7 @@ impl<'a> Concave<'a> {
         let to_local = own.pose.unit_rotation().conjugate();
         let apart = place.pose.position - own.pose.position;
         let relative = Pose::new(to_local * apart, to_local * place.pose.unit_rotation());
-        let slack = tolerance::RELATIVE_POSE * (apart.length() + other.reach());
+        let slack = tolerance::RELATIVE_POSE * (apart.norm() + other.reach());
         (relative, slack + own.blur + place.blur)
     }
 

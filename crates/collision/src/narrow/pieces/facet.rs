@@ -18,7 +18,7 @@ use super::{Piece, inside::middle};
 use crate::{
     accuracy::Accuracy,
     answer::{Verdict, Work},
-    math::Pose,
+    math::{Norm, Pose},
     narrow::{
         Contact, ImpactTouch, InitialTouch, Motion,
         convex::{self, Ruling},
@@ -124,8 +124,7 @@ impl<'m> Meeting<'m> {
             None => !self.is_behind(),
             Some(normal) if touch.initial => front.dot(normal) >= -SURFACE_LEAN,
             Some(normal) => {
-                front.dot(normal) >= -SURFACE_LEAN
-                    && way.is_none_or(|way| front.dot(way) <= SURFACE_LEAN * way.length())
+                front.dot(normal) >= -SURFACE_LEAN && way.is_none_or(|way| front.dot(way) <= SURFACE_LEAN * way.norm())
             }
         }
     }
@@ -188,15 +187,19 @@ pub(super) fn contact(a: &Piece<'_>, b: &Piece<'_>, max_gap: f64, accuracy: &Acc
     Felt { contact, is_from_back: is_from_back && verdict != Verdict::Miss }
 }
 
-/// The first touch of two pieces; `None` also where it is not felt.
+/// The first touch of two pieces; `None` also where it is not felt, or is surely later than `limit`: most of what a touch costs beside
+/// finding it is the normal that the surface has there.
 pub(super) fn impact(
     a: &Piece<'_>,
     b: &Piece<'_>,
-    motion: &Motion,
+    (motion, limit): (&Motion, f64),
     accuracy: &Accuracy,
     work: &mut Work,
 ) -> Option<ImpactTouch> {
     let mut touch = convex::impact(a.placed(), b.placed(), motion, [a.place.arm, b.place.arm], accuracy, work)?;
+    if touch.certificate.bound.lower > limit {
+        return None;
+    }
     let course_a = Course { place: &a.place, way: motion.displacement_a, turn: motion.rotation_a };
     let course_b = Course { place: &b.place, way: motion.displacement_b, turn: motion.rotation_b };
     let way = (!motion.turns()).then_some(motion.displacement_a - motion.displacement_b);

@@ -128,7 +128,7 @@ impl First {
     fn search_pieces(&mut self, a: &Side<'_>, b: &Side<'_>, ask: &Ask<'_>, work: &mut Work) {
         match next(a, b) {
             Next::Ask(a, b) => {
-                let touch = facet::impact(a, b, ask.motion, ask.accuracy, work);
+                let touch = facet::impact(a, b, (ask.motion, self.limit), ask.accuracy, work);
                 if let Some(touch) = touch.filter(|touch| !ask.leaves(a, b, touch)) {
                     self.take(Candidate { touch: ImpactTouch { feature_b: b.feature, ..touch }, feature_a: a.feature });
                 }

@@ -12,7 +12,7 @@ use smallvec::SmallVec;
 use super::{Concave, Piece, Side, instant::at_instant, matter::Met};
 use crate::{
     answer::Work,
-    math::{Pose, exact::exact_difference},
+    math::{Norm, Pose, exact::exact_difference},
     narrow::{Motion, Placed, place::Place},
     shape::{Containment, Convex, Core, Hull, Mesh, MeshMode, Standing},
     tolerance::RELATIVE_POSE,
@@ -105,7 +105,7 @@ fn held_by(inner: &Side<'_>, solid: &Concave<'_>, mesh: &Mesh, work: &mut Work) 
         }
         Side::Convex(_) | Side::Space(_) => SmallVec::new(),
         Side::Concave(concave) => match concave.as_mesh() {
-            Some(mesh) => mesh.part_vertices().map(|vertex| (vertex, vertex.length())).collect(),
+            Some(mesh) => mesh.part_vertices().map(|vertex| (vertex, vertex.norm())).collect(),
             None => corner_of_skin(concave, work).into_iter().collect(),
         },
     };
@@ -126,7 +126,7 @@ fn corner_of_skin(concave: &Concave<'_>, work: &mut Work) -> Option<(DVec3, f64)
     if concave.has_inside() {
         concave.in_box(concave.geometry().local_bounds(), work, |piece, _| {
             if let Side::Convex(Piece { convex: Convex { core: Core::Triangle([corner, ..]), .. }, .. }) = piece {
-                found = Some((*corner, corner.length()));
+                found = Some((*corner, corner.norm()));
             }
             ControlFlow::Break(())
         });
@@ -145,7 +145,7 @@ fn point_held((place, point, reach): (&Place, DVec3, f64), solid: &Place, mesh: 
         && blur == 0.0
         && !is_turned(&solid.pose)
         && (point == DVec3::ZERO && reach == 0.0 || apart == DVec3::ZERO && !is_turned(pose));
-    let error = if is_exact { 0.0 } else { RELATIVE_POSE * (apart.length() + reach) + blur };
+    let error = if is_exact { 0.0 } else { RELATIVE_POSE * (apart.norm() + reach) + blur };
     match mesh.contains_ball(local, error, work) {
         Containment::Inside => Held::Surely(pose.transform_point(point) + DVec3::ZERO),
         Containment::Undecided => Held::Open,

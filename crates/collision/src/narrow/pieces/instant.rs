@@ -10,6 +10,7 @@ use super::{Ordered, Side, overlap::overlap_of};
 use crate::{
     accuracy::Accuracy,
     answer::{Verdict, Work},
+    math::Norm,
     narrow::{Motion, Placed, place::Place},
     shape::{Form, Geometry, MeshMode},
     tolerance::RELATIVE_POSE,
@@ -19,8 +20,8 @@ use crate::{
 pub(super) fn at_instant<'a>(a: Placed<'a>, b: Placed<'a>, motion: &Motion, time: f64) -> [Side<'a>; 2] {
     let (apart, way) = (a.pose.position - b.pose.position, motion.displacement_a - motion.displacement_b);
     let reach = a.geometry.reach() + b.geometry.reach();
-    let angle = motion.rotation_a.length() + motion.rotation_b.length();
-    let blur = RELATIVE_POSE * (apart.length() + way.length() + reach) * (1.0 + angle);
+    let angle = motion.rotation_a.norm() + motion.rotation_b.norm();
+    let blur = RELATIVE_POSE * (apart.norm() + way.norm() + reach) * (1.0 + angle);
     let at = |placed: Placed<'a>, pose| Side::of(placed.geometry, Place { pose, blur, arm: DVec3::ZERO }, None);
     let [pose_a, pose_b] = motion.poses_at([a.pose, b.pose], time);
     [at(a, pose_a), at(b, pose_b)]

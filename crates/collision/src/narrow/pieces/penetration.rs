@@ -80,7 +80,7 @@ impl Ask<'_> {
         }
         let mut contacts = found.contacts;
         if is_swapped {
-            contacts = contacts.into_iter().map(Contact::swapped).collect();
+            contacts.iter_mut().for_each(Contact::swap);
         }
         for point in contacts.iter_mut().flat_map(|contact| &mut contact.points) {
             point.point_on_a += origin;

@@ -17,7 +17,7 @@ use glam::{DMat3, DVec3};
 use super::{Side, concave::Concave, rod::Rod};
 use crate::{
     broad::Path,
-    math::{Aabb, try_unit},
+    math::{Aabb, Norm, try_unit},
     narrow::Motion,
     tolerance::{BEND_WIDENING, RELATIVE_POSE},
 };
@@ -43,7 +43,7 @@ impl Span {
     /// middle goes straight on.
     pub(super) fn of(a: &Side<'_>, b: &Side<'_>, motion: &Motion) -> impl Iterator<Item = Self> {
         let turn_of =
-            |side: &Side<'_>, rotation: DVec3| if let Side::Concave(_) = side { rotation.length() } else { 0.0 };
+            |side: &Side<'_>, rotation: DVec3| if let Side::Concave(_) = side { rotation.norm() } else { 0.0 };
         let turn = turn_of(a, motion.rotation_a) + turn_of(b, motion.rotation_b);
         let count = (turn / SPAN_TURN).ceil().clamp(1.0, SPANS_MAX);
         let at = move |number: f64| number / count;
@@ -71,7 +71,7 @@ pub(super) fn swept(concave: &Concave<'_>, form: &Side<'_>, motion: &Motion, spa
     let start = concave.box_of(form);
     let center = start.center();
     let half = (start.max - center).max(center - start.min);
-    let reach = half + RELATIVE_POSE * (half.length() + direction.length());
+    let reach = half + RELATIVE_POSE * (half.norm() + direction.norm());
     (Path { origin: center, direction, reach }, None)
 }
 
@@ -89,23 +89,23 @@ fn turning(concave: &Concave<'_>, form: &Side<'_>, motion: &Motion, span: Span) 
     };
     let (start, end) = (at(span.begin), at(span.end));
     let part = span.end - span.begin;
-    let (arm, own_arm, speed) = (arm.length(), own.arm.length(), turn_of_concave.length());
-    let farthest = apart.length().max((apart + way).length());
-    let bend = arm * ((turn - turn_of_concave).length_squared() + turn.cross(turn_of_concave).length())
-        + speed * (speed * farthest + 2.0 * way.length());
+    let (arm, own_arm, speed) = (arm.norm(), own.arm.norm(), turn_of_concave.norm());
+    let farthest = apart.norm().max((apart + way).norm());
+    let bend = arm * ((turn - turn_of_concave).length_squared() + turn.cross(turn_of_concave).norm())
+        + speed * (speed * farthest + 2.0 * way.norm());
     // However far it turns, it stays as near to the concave form's place as it ever is, and so does its chord.
     let departure = (bend * (part * part) / 8.0).min(2.0 * (farthest + arm)) * BEND_WIDENING;
-    let slack = RELATIVE_POSE * (farthest + arm + own_arm + radius) * (1.0 + turn.length() + speed);
+    let slack = RELATIVE_POSE * (farthest + arm + own_arm + radius) * (1.0 + turn.norm() + speed);
     Path { origin: start, direction: end - start, reach: DVec3::splat(radius + departure + slack) }
 }
 
 /// Radius of a ball around the middle of a local box that holds the form.
 fn ball_of(local: Aabb, reach: f64) -> f64 {
     let center = local.center();
-    (local.max - center).max(center - local.min).length().min(reach + center.length())
+    (local.max - center).max(center - local.min).norm().min(reach + center.norm())
 }
 
 /// A vector after a turn by a rotation vector.
 pub(super) fn turned(turn: DVec3, vector: DVec3) -> DVec3 {
-    try_unit(turn).map_or(vector, |axis| DMat3::from_axis_angle(axis, turn.length()) * vector)
+    try_unit(turn).map_or(vector, |axis| DMat3::from_axis_angle(axis, turn.norm()) * vector)
 }
