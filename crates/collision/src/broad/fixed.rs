@@ -47,6 +47,7 @@ impl StaticTree {
     /// If there are 2²⁸ boxes or more.
     #[must_use]
     pub fn build_on_layers(boxes: impl ExactSizeIterator<Item = (Aabb, u32)> + Clone) -> Self {
+        assert_fits(boxes.len());
         let mut forest = Forest::default();
         let items = forest.distribute(boxes.enumerate().map(numbered));
         Self::of_items(forest, items)
@@ -59,6 +60,7 @@ impl StaticTree {
     /// If there are 2²⁸ boxes or more.
     #[must_use]
     pub fn build_within(bounds: Aabb, boxes: impl ExactSizeIterator<Item = Aabb> + Clone) -> Self {
+        assert_fits(boxes.len());
         let mut forest = Forest::default();
         let items =
             forest.distribute_within(bounds, boxes.map(|bounds| (bounds, ALL_LAYERS)).enumerate().map(numbered));
@@ -136,13 +138,13 @@ impl StaticTree {
     }
 }
 
+fn assert_fits(len: usize) {
+    assert!(len < 1 << 28, "fewer than 2^28 boxes");
+}
+
 /// A leaf for a box of a slice.
-///
-/// # Panics
-/// If its index is 2²⁸ or more.
 #[inline]
 fn numbered((index, (bounds, layers)): (usize, (Aabb, u32))) -> Large {
-    assert!(index < 1 << 28, "fewer than 2^28 boxes");
     Large { leaf: index as u32, bounds, layers }
 }
 

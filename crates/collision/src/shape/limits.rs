@@ -131,16 +131,14 @@ pub(super) fn check_count(field: &str, found: usize, most: usize, hint: &str) ->
 
 pub(super) fn check_coordinates(field: &str, points: &[DVec3]) -> Result<(), GeometryError> {
     let most = DVec3::splat(Limits::COORDINATE);
-    if points.iter().all(|point| point.abs().cmple(most).all()) {
+    let Some(index) = points.iter().position(|point| !point.abs().cmple(most).all()) else {
         return Ok(());
-    }
-    for (index, point) in points.iter().enumerate() {
-        for (axis, value) in point.to_array().into_iter().enumerate() {
-            let name = || format!("{field}[{index}].{}", AXES[axis]);
-            check_finite(name, value)?;
-            if value.abs() > Limits::COORDINATE {
-                return Err(out_of_limits(name(), value, "within 1e12 metres of 0"));
-            }
+    };
+    for (axis, value) in points[index].to_array().into_iter().enumerate() {
+        let name = || format!("{field}[{index}].{}", AXES[axis]);
+        check_finite(name, value)?;
+        if value.abs() > Limits::COORDINATE {
+            return Err(out_of_limits(name(), value, "within 1e12 metres of 0"));
         }
     }
     Ok(())

@@ -186,9 +186,8 @@ impl Snapshot {
     ) -> Result<Found<RayHit>, QuestionError> {
         let _asking = self.asking().now();
         let mut gathered = Gathered::new(question.mode);
-        if let Some(other) = self.against(Some(against))?
-            && let Some(least) = Track::new(&question.ray).entry(other.bounds, question.ray.max_distance)
-        {
+        let other = self.other(against)?;
+        if let Some(least) = Track::new(&question.ray).entry(other.bounds, question.ray.max_distance) {
             meter.look()?;
             question.look(&Aim::new(&question.ray), &other, least, accuracy, meter, &mut gathered);
         }

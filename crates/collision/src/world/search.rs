@@ -87,7 +87,12 @@ impl Snapshot {
 
     /// What it is asked against, if it names that.
     pub(super) fn against<'a>(&'a self, against: Option<&'a Subject>) -> Result<Option<Side<'a>>, QuestionError> {
-        against.map(|against| self.side(against, QuestionError::AgainstNotFound)).transpose()
+        against.map(|against| self.other(against)).transpose()
+    }
+
+    /// What a question is asked against.
+    pub(super) fn other<'a>(&'a self, against: &'a Subject) -> Result<Side<'a>, QuestionError> {
+        self.side(against, QuestionError::AgainstNotFound)
     }
 
     /// Visits what may touch the subject, by its outline, of that which a question is asked against: of what it names, or of
@@ -103,7 +108,7 @@ impl Snapshot {
         let Some(against) = against else {
             return self.seen_near(outline, subject.shape, filter, meter, visit);
         };
-        let other = self.side(against, QuestionError::AgainstNotFound)?;
+        let other = self.other(against)?;
         if outline.may_touch(&other.bounds) { visit(meter, other) } else { Ok(()) }
     }
 

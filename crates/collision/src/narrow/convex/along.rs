@@ -45,16 +45,15 @@ pub(crate) fn penetration_ruled(
     let turned = |normal: DVec3| if is_swapped { DVec3::ZERO - normal } else { normal };
     let found = judge(first, second, max_gap, accuracy, &mut None, work, |judged| {
         match rule(turned(judged.pair.direction_out(judged.touch.normal)), judged.verdict) {
-            Ruling::Stands => Some(judged.contact()),
+            Ruling::Stands => Some(judged.contact(is_swapped)),
             Ruling::LeftOut => None,
             Ruling::Along(normals) => {
                 let touch = shortest(judged.pair, judged.touch, normals.into_iter().map(turned));
-                Some(Judged { touch: &touch, ..*judged }.contact())
+                Some(Judged { touch: &touch, ..*judged }.contact(is_swapped))
             }
         }
     });
-    let contact = found.flatten()?;
-    Some(if is_swapped { contact.swapped() } else { contact })
+    found.flatten()
 }
 
 /// The touch along that of some directions of the world, from the second form to the first, which is the shortest way out;

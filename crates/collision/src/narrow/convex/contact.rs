@@ -28,11 +28,7 @@ pub(crate) fn penetration(
     work: &mut Work,
 ) -> Option<Contact> {
     let (first, second, is_swapped) = order::in_order(a, b);
-    let mut contact = judge(first, second, max_gap, accuracy, &mut None, work, |judged| judged.contact());
-    if is_swapped && let Some(contact) = &mut contact {
-        contact.swap();
-    }
-    contact
+    judge(first, second, max_gap, accuracy, &mut None, work, |judged| judged.contact(is_swapped))
 }
 
 /// The same from what was remembered; the same question again has the same answer without any search.
@@ -51,10 +47,7 @@ pub(crate) fn penetration_warm(
     }
     let (first, second, is_swapped) = order::in_order(a, b);
     let seed = warm.seed(is_swapped);
-    let mut contact = judge(first, second, max_gap, accuracy, seed, work, |judged| judged.contact());
-    if is_swapped && let Some(contact) = &mut contact {
-        contact.swap();
-    }
+    let contact = judge(first, second, max_gap, accuracy, seed, work, |judged| judged.contact(is_swapped));
     warm.rest(resting, contact.clone());
     contact
 }
@@ -109,7 +102,8 @@ pub(super) struct Judged<'p> {
 }
 
 impl Judged<'_> {
-    pub(super) fn contact(&self) -> Contact {
+    /// The contact, with the arguments swapped if the pair's were.
+    pub(super) fn contact(&self, is_swapped: bool) -> Contact {
         let Self { pair, touch, .. } = self;
         // Points are put where they stay: they are large to copy.
         let mut contact = Contact {
@@ -131,6 +125,9 @@ impl Judged<'_> {
                 bound: pair.bound_out(depth - POINT_DEPTH, upper),
                 feature_pair: point.feature_pair,
             });
+        }
+        if is_swapped {
+            contact.swap();
         }
         contact
     }

@@ -127,8 +127,12 @@ impl<'a> Pair<'a> {
     pub(super) fn penetration(&self, max_gap: f64, work: &mut Work) -> Contacts {
         match self {
             Self::Above(above) => above.contacts(max_gap, work),
-            Self::Below(above) => above.contacts(max_gap, work).into_iter().map(Contact::swapped).collect(),
-            Self::Spaces(spaces) => spaces.contact(max_gap, work).into_iter().collect(),
+            Self::Below(above) => {
+                let mut contacts = above.contacts(max_gap, work);
+                contacts.iter_mut().for_each(Contact::swap);
+                contacts
+            }
+            Self::Spaces(spaces) => super::contacts(spaces.contact(max_gap, work)),
         }
     }
 
